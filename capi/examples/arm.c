@@ -1,6 +1,7 @@
 /*
  * An arm's link that holds a tetrahedron, beside a box: do they meet, and how near do they come? A swinging link: does
- * it meet a thin wall on its way? And an arm with two joints: how does it get past a post?
+ * it meet a thin wall on its way? And an arm with two joints: how does it get past a post? Links and obstacles are
+ * shapes. Compiles as C99 and as C++11.
  *
  * Lengths are in metres. Exits with 0 only if each answer is as expected; `capi/check` builds and runs it.
  */
@@ -31,25 +32,35 @@ static void must_fail(simdop_error error, simdop_error expected) {
     expect(error == expected, simdop_last_error());
 }
 
-/* The solid box with sides x, y, z about the origin. */
-static simdop_body *box(double x, double y, double z) {
-    static const uint32_t triangles[12 * 3] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                                               2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double vertices[8 * 3];
-    simdop_body *body;
-    for (int i = 0; i < 8; i++) {
-        vertices[3 * i] = (i & 1) ? 0.5 * x : -0.5 * x;
-        vertices[3 * i + 1] = (i & 2) ? 0.5 * y : -0.5 * y;
-        vertices[3 * i + 2] = (i & 4) ? 0.5 * z : -0.5 * z;
-    }
-    must(simdop_body_build_solid(vertices, 8, triangles, 12, &body));
-    return body;
-}
-
 /* A translation. */
 static simdop_pose at(double x, double y, double z) {
     const simdop_pose pose = {{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}}};
     return pose;
+}
+
+/* A shape with up to three numbers. */
+static simdop_shape shape(simdop_shape_kind kind, double x, double y, double z, simdop_pose pose) {
+    const simdop_shape made = {(uint32_t)kind, {x, y, z, 0}, 0, pose};
+    return made;
+}
+
+/* A body of one shape. */
+static simdop_body *body_of(simdop_shape shape) {
+    simdop_body *body;
+    must(simdop_body_build_shape(&shape, &body));
+    return body;
+}
+
+/* The box with sides x, y, z about the origin. */
+static simdop_body *box(double x, double y, double z) {
+    return body_of(shape(SIMDOP_SHAPE_KIND_CUBOID, x, y, z, at(0, 0, 0)));
+}
+
+/* All points below a height. */
+static simdop_body *ground(double height) {
+    simdop_shape below = shape(SIMDOP_SHAPE_KIND_HALF_SPACE, 0, 0, 1, at(0, 0, 0));
+    below.numbers[3] = height;
+    return body_of(below);
 }
 
 /* Counts hits, and stops at `most`. */
@@ -58,7 +69,7 @@ struct count {
 };
 
 static int on_hit(void *user, const simdop_scene_hit *hit) {
-    struct count *count = user;
+    struct count *count = (struct count *)user;
     printf("  primitive %u of one body meets primitive %u of the other\n", (unsigned)hit->pair.a,
            (unsigned)hit->pair.b);
     count->found++;
@@ -72,7 +83,7 @@ struct slide {
 };
 
 static int slide_go_to(void *user, double time, simdop_pose *poses) {
-    struct slide *slide = user;
+    struct slide *slide = (struct slide *)user;
     double place[3];
     for (int i = 0; i < 3; i++) {
         place[i] = slide->from[i] + time * (slide->to[i] - slide->from[i]);
@@ -83,7 +94,7 @@ static int slide_go_to(void *user, double time, simdop_pose *poses) {
 
 /* All points of the body move equally far: over the whole time, from one place to the other. 1e-12 covers rounding. */
 static double slide_path(void *user, size_t body, const double *centre, double radius, double span) {
-    const struct slide *slide = user;
+    const struct slide *slide = (const struct slide *)user;
     double square = 0;
     (void)body, (void)centre, (void)radius;
     for (int i = 0; i < 3; i++) {
@@ -146,6 +157,17 @@ static void swing(simdop_body *link) {
     simdop_body_destroy(wall);
 }
 
+/* A post 0.4 m high on a foot that stands on the ground, 0.2 m below the arm. */
+static simdop_body *post(void) {
+    const simdop_shape parts[2] = {
+        shape(SIMDOP_SHAPE_KIND_CYLINDER, 0.05, 0.4, 0, at(0, 0, 0)),
+        shape(SIMDOP_SHAPE_KIND_CUBOID, 0.2, 0.2, 0.02, at(0, 0, -0.19)),
+    };
+    simdop_body *body;
+    must(simdop_body_build_shapes(parts, 2, &body));
+    return body;
+}
+
 /* An arm in the plane, and a post 0.9 m from its base, half way through a quarter turn. */
 static void reach(simdop_body *link) {
     enum { SHOULDER, ELBOW, JOINTS };
@@ -157,10 +179,10 @@ static void reach(simdop_body *link) {
     simdop_pose poses[JOINTS];
     simdop_joint joints[JOINTS];
     simdop_link_body bodies[JOINTS];
-    simdop_body *post = box(0.1, 0.1, 0.4);
-    simdop_role role = simdop_role_default();
+    simdop_body *obstacles[2] = {post(), ground(-0.2)};
+    simdop_role role = simdop_role_default(), fixed = simdop_role_default();
     simdop_scene *scene;
-    simdop_body_id ids[JOINTS], post_id;
+    simdop_body_id ids[JOINTS], post_id, ground_id;
     simdop_robot *robot, *none;
     simdop_motion_answer edge;
     must(simdop_scene_create(&scene));
@@ -175,13 +197,16 @@ static void reach(simdop_body *link) {
         must(simdop_scene_insert(scene, link, &role, &base, &ids[i]));
     }
     must(simdop_scene_allow_collision(scene, ids[SHOULDER], ids[ELBOW]));
-    must(simdop_scene_insert(scene, post, &role, &aside, &post_id));
+    fixed.is_fixed = 1;
+    must(simdop_scene_insert(scene, obstacles[0], &fixed, &aside, &post_id));
+    must(simdop_scene_insert(scene, obstacles[1], &fixed, &base, &ground_id));
     must(simdop_robot_new(&base, joints, JOINTS, bodies, JOINTS, &limits[0][0], JOINTS, &robot));
 
     must(simdop_robot_poses(robot, end, poses));
     expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is 0.75 m from the base");
     must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "stretched, it meets the post on the way");
+    expect(edge.hit.a == post_id || edge.hit.b == post_id, "not the ground");
     for (int i = 0; i < 3; i++) {
         must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET,
                                              &edge));
@@ -194,13 +219,55 @@ static void reach(simdop_body *link) {
 
     simdop_robot_free(robot);
     simdop_scene_destroy(scene);
-    simdop_body_destroy(post);
+    simdop_body_destroy(obstacles[0]);
+    simdop_body_destroy(obstacles[1]);
+}
+
+/* A ball on the ground, and between the boards of a shelf. */
+static void roll(void) {
+    const simdop_shape boards[2] = {
+        shape(SIMDOP_SHAPE_KIND_CUBOID, 2, 1, 0.1, at(0, 0, 0)),
+        shape(SIMDOP_SHAPE_KIND_CUBOID, 2, 1, 0.1, at(0, 0, 1.25)),
+    };
+    const simdop_shape wrong[2] = {boards[0], shape(SIMDOP_SHAPE_KIND_HALF_SPACE, 0, 0, 1, at(0, 0, 0))};
+    simdop_shape no_length = boards[0];
+    simdop_body *ball = body_of(shape(SIMDOP_SHAPE_KIND_SPHERE, 0.5, 0, 0, at(0, 0, 0)));
+    simdop_body *plane = ground(0), *shelf, *opened, *none;
+    simdop_pose pose = at(3, 4, 0.5);
+    simdop_answer answer;
+    simdop_distance_answer distance;
+    const uint8_t *bytes;
+    size_t count;
+    must(simdop_collide(ball, plane, &pose, SIMDOP_NO_BUDGET, &answer));
+    expect(answer.verdict == SIMDOP_VERDICT_HIT, "the ball touches the ground");
+    pose = at(3, 4, 0.5000001);
+    must(simdop_collide(ball, plane, &pose, SIMDOP_NO_BUDGET, &answer));
+    expect(answer.verdict == SIMDOP_VERDICT_FREE, "above it, it does not");
+
+    must(simdop_body_build_shapes(boards, 2, &shelf));
+    must(simdop_body_bytes(shelf, &bytes, &count));
+    must(simdop_body_open(bytes, count, &opened));
+    pose = at(0, 0, 0.65);
+    must(simdop_distance(ball, opened, &pose, 0, SIMDOP_NO_BUDGET, &distance));
+    expect(fabs(distance.upper - 0.05) < 1e-12 && distance.pair.b == 1, "it is 5 cm below the upper board");
+    must_fail(simdop_body_bytes(ball, &bytes, &count), SIMDOP_ERROR_SHAPE_NO_BYTES);
+    must_fail(simdop_body_build_shapes(wrong, 2, &none), SIMDOP_ERROR_SHAPE_UNBOUNDED);
+    no_length.numbers[2] = 0;
+    must_fail(simdop_body_build_shape(&no_length, &none), SIMDOP_ERROR_SHAPE_LENGTH);
+
+    simdop_body_destroy(opened);
+    simdop_body_destroy(shelf);
+    simdop_body_destroy(plane);
+    simdop_body_destroy(ball);
 }
 
 int main(void) {
     static const double corners[4 * 3] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
     static const uint32_t faces[4 * 3] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-    simdop_body *shelf = box(0.4, 0.4, 0.4), *link = box(0.5, 0.05, 0.05), *built, *tool, *none;
+    /* The link lies along x. */
+    const simdop_pose along_x = {{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}}};
+    simdop_body *shelf = box(0.4, 0.4, 0.4), *built, *tool, *none;
+    simdop_body *link = body_of(shape(SIMDOP_SHAPE_KIND_CAPSULE, 0.025, 0.45, 0, along_x));
 
     /* The tool is opened from bytes, as it would be from flash. They belong to `built`, which must outlive it. */
     const uint8_t *bytes;
@@ -221,7 +288,7 @@ int main(void) {
     const double quarter_about_z[4] = {0, 0, sqrt(0.5), sqrt(0.5)}, inside[3] = {0.05, 0, 0};
     must(simdop_pose_from_quaternion(quarter_about_z, inside, &pose));
     must(simdop_collide(tool, shelf, &pose, SIMDOP_NO_BUDGET, &answer));
-    expect(answer.verdict == SIMDOP_VERDICT_HIT, "wholly inside of the solid it is a hit");
+    expect(answer.verdict == SIMDOP_VERDICT_HIT, "wholly inside of the shelf it is a hit");
 
     /* A scene: the link holds the tool, and moves. */
     simdop_scene *scene;
@@ -267,6 +334,7 @@ int main(void) {
     simdop_scene_destroy(scene);
     swing(link);
     reach(link);
+    roll();
     simdop_body_destroy(tool);
     simdop_body_destroy(built);
     simdop_body_destroy(link);

@@ -1,10 +1,11 @@
 /*
- * simdop: exact collision and distance queries between bodies of triangles or spheres.
+ * simdop: exact collision and distance queries between bodies of triangles, spheres or convex shapes.
  *
  * Bodies. A body is opened from the bytes of a baked tree, or built. Its tree has k = 18 and arity 16, the default of
- * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A query takes two
- * bodies of one storage, A and B, and a pose that places A in the frame of B. A scene holds many bodies of one storage
- * at poses in the world, and tests the pairs that their roles select.
+ * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape has
+ * no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose that
+ * places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs that
+ * their roles select.
  *
  * A motion query decides whether moving bodies meet at any time from 0 to 1, not only at samples of the time. A robot
  * moves bodies by joints.
@@ -120,7 +121,7 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_VERSION = 21,
   /**
-   * The primitives of the tree are neither triangles nor spheres.
+   * The primitives of the tree are neither triangles nor spheres nor shapes.
    */
   SIMDOP_ERROR_BYTES_OTHER_PRIMITIVE = 22,
   /**
@@ -184,9 +185,37 @@ typedef enum {
    */
   SIMDOP_ERROR_BUILD_OPEN = 44,
   /**
-   * A body's storage is not one of simdop_storage.
+   * A storage is not one of simdop_storage.
    */
   SIMDOP_ERROR_BUILD_NO_SUCH_STORAGE = 45,
+  /**
+   * A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
+   */
+  SIMDOP_ERROR_SHAPE_LENGTH = 50,
+  /**
+   * A coordinate of a shape is NaN, infinite, or beyond 2^300.
+   */
+  SIMDOP_ERROR_SHAPE_COORDINATE = 51,
+  /**
+   * The normal of a half-space is zero.
+   */
+  SIMDOP_ERROR_SHAPE_NO_DIRECTION = 52,
+  /**
+   * A half-space among the shapes of a tree, which are bounded: build it as a body of one shape.
+   */
+  SIMDOP_ERROR_SHAPE_UNBOUNDED = 53,
+  /**
+   * A pose skews a cuboid: the cosine of the angle of two of its edges is beyond 1e-4.
+   */
+  SIMDOP_ERROR_SHAPE_NOT_PERPENDICULAR = 54,
+  /**
+   * A shape's kind is not one of simdop_shape_kind.
+   */
+  SIMDOP_ERROR_SHAPE_NO_SUCH_KIND = 55,
+  /**
+   * A body of one shape has no bytes: use simdop_body_build_shapes(), which builds a tree.
+   */
+  SIMDOP_ERROR_SHAPE_NO_BYTES = 56,
   /**
    * A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
    */
@@ -330,6 +359,37 @@ typedef enum {
 } simdop_joint_kind;
 
 /**
+ * The kind of a shape, and the numbers that it has. Shapes are closed solids.
+ */
+typedef enum {
+  /**
+   * A ball about the origin: its radius.
+   */
+  SIMDOP_SHAPE_KIND_SPHERE = 0,
+  /**
+   * A capsule about the origin, along z: its radius, and the distance of the centres of its two hemispheres.
+   */
+  SIMDOP_SHAPE_KIND_CAPSULE = 1,
+  /**
+   * A cuboid about the origin: its side lengths along x, y and z.
+   */
+  SIMDOP_SHAPE_KIND_CUBOID = 2,
+  /**
+   * A cylinder about the origin, along z: its radius and height.
+   */
+  SIMDOP_SHAPE_KIND_CYLINDER = 3,
+  /**
+   * A cone along z, with the middle of its height at the origin and its tip above: its radius and height.
+   */
+  SIMDOP_SHAPE_KIND_CONE = 4,
+  /**
+   * All points p with n . p <= d, such as the ground: the coordinates of n, which points out of the half-space and
+   * has any length but 0, and d, in units of the length of n.
+   */
+  SIMDOP_SHAPE_KIND_HALF_SPACE = 5,
+} simdop_shape_kind;
+
+/**
  * How the planes of a body are stored, in 16 bits. Bodies of different storage cannot be tested against each other.
  */
 typedef enum {
@@ -344,7 +404,8 @@ typedef enum {
 } simdop_storage;
 
 /**
- * A body: a set of primitives, triangles or spheres, and the tree over them. Immutable.
+ * A body: a set of primitives, triangles, spheres or shapes, and the tree over them; or one shape, without a tree.
+ * Immutable.
  */
 typedef struct simdop_body simdop_body;
 
@@ -370,6 +431,32 @@ typedef struct {
    */
   double rows[3][4];
 } simdop_pose;
+
+/**
+ * A convex shape at a pose, widened by a radius: all points at most `radius` from it.
+ *
+ * Verdicts are exact, with two exceptions: a cylinder or cone against another one or a capsule; and a cylinder or cone
+ * where it or the other shape has a `radius` above 0. These are never falsely free, and shapes that are farther apart
+ * than 2^-40 of their size are no hit.
+ */
+typedef struct {
+  /**
+   * One of simdop_shape_kind.
+   */
+  uint32_t kind;
+  /**
+   * The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300.
+   */
+  double numbers[4];
+  /**
+   * The radius around the shape: 0, or a length.
+   */
+  double radius;
+  /**
+   * Places the shape in the frame of the body.
+   */
+  simdop_pose pose;
+} simdop_shape;
 
 /**
  * Two primitives, by their indices at construction; SIMDOP_NO_PRIMITIVE if there are none.
@@ -749,7 +836,7 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Opens a body of triangles or spheres in place from the bytes of a baked tree. First validates the bytes, so that
+ * Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so that
  * traversal is memory safe, in time linear in their number.
  *
  * # Safety
@@ -821,8 +908,39 @@ simdop_error simdop_body_build_spheres_as(const double *spheres,
                                           simdop_body **body);
 
 /**
+ * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
+ * has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
+ * that its motions are unresolved.
+ */
+simdop_error simdop_body_build_shape(const simdop_shape *shape,
+                                     simdop_body **body);
+
+/**
+ * Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
+ * cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body is empty,
+ * and meets nothing.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_shapes(const simdop_shape *shapes,
+                                      size_t count,
+                                      simdop_body **body);
+
+/**
+ * Builds a body like simdop_body_build_shapes(), with planes in `storage`, a simdop_storage.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_shapes_as(const simdop_shape *shapes,
+                                         size_t count,
+                                         int storage,
+                                         simdop_body **body);
+
+/**
  * Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
- * to the caller that opened it, and have the same lifetime.
+ * to the caller that opened it, and have the same lifetime. A body of one shape has none.
  */
 simdop_error simdop_body_bytes(const simdop_body *body,
                                const uint8_t **bytes,
@@ -853,8 +971,12 @@ const char *simdop_last_error(void);
 simdop_error simdop_pose_from_quaternion(const double *xyzw, const double *translation, simdop_pose *pose);
 
 /**
- * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Stops after `budget`
- * visits. Both bodies have the same storage.
+ * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
+ * simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+ *
+ * If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
+ * about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
+ * pose must be as close to a rotation as in a scene. So pass the shape as `a`.
  */
 simdop_error simdop_collide(const simdop_body *a,
                             const simdop_body *b,
@@ -924,9 +1046,15 @@ void simdop_robot_free(simdop_robot *robot);
 simdop_role simdop_role_default(void);
 
 /**
- * Creates an empty scene. It grows as bodies are inserted.
+ * Creates an empty scene. It grows as bodies are inserted. The first body decides the storage of all bodies of the
+ * scene; if that is one shape, which has none, it is fixed point.
  */
 simdop_error simdop_scene_create(simdop_scene **scene);
+
+/**
+ * Creates an empty scene of bodies in `storage`, a simdop_storage, whichever body comes first.
+ */
+simdop_error simdop_scene_create_as(int storage, simdop_scene **scene);
 
 /**
  * Destroys a scene, but none of its bodies. Does nothing for NULL.
@@ -935,8 +1063,7 @@ void simdop_scene_destroy(simdop_scene *scene);
 
 /**
  * Inserts a body into a scene at the pose `world`. A body may be inserted into several scenes, and several times into
- * one. It must exist until it is removed or the scene is destroyed. The first body decides the storage of all bodies
- * of the scene.
+ * one. It must exist until it is removed or the scene is destroyed.
  */
 simdop_error simdop_scene_insert(simdop_scene *scene,
                                  const simdop_body *body,

@@ -1,12 +1,13 @@
 //! Bodies: opened from bytes, or built.
 
-use crate::boundary::{answered, given, guarded, items, make};
+use crate::boundary::{answered, checked, given, guarded, items, make};
 use crate::error::{Failure, simdop_error};
-use simdop::construct::{Builder, Mesh, SphereSet};
+use crate::shape::simdop_shape;
+use simdop::construct::{Builder, Mesh, ShapeSet, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header};
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
-use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
+use simdop::primitive::{Kind, Shape, Shapes, Sphere, Spheres, Triangles};
 use simdop::scene::BodyTree;
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
@@ -27,7 +28,7 @@ pub enum simdop_storage {
 
 impl simdop_storage {
     /// The storage with this number.
-    fn checked(number: c_int) -> Result<Self, Failure> {
+    pub(crate) fn checked(number: c_int) -> Result<Self, Failure> {
         let known = [Self::Fixed, Self::Half].into_iter().find(|storage| *storage as c_int == number);
         known.ok_or_else(|| {
             Failure::new(simdop_error::BuildNoSuchStorage, format!("no storage has the number {number}"))
@@ -35,12 +36,14 @@ impl simdop_storage {
     }
 }
 
-/// A body: a set of primitives, triangles or spheres, and the tree over them. Immutable.
+/// A body: a set of primitives, triangles, spheres or shapes, and the tree over them; or one shape, without a tree.
+/// Immutable.
 #[derive(Debug)]
-pub struct simdop_body(Tree);
+pub struct simdop_body(Geometry);
 
 #[derive(Debug)]
-enum Tree {
+enum Geometry {
+    Shape(Shape),
     /// Borrows the caller's bytes.
     Lent {
         bytes: &'static [u8],
@@ -55,20 +58,24 @@ enum Tree {
 enum Built<S: Storage> {
     Mesh(Bvh<Node<S>>),
     Spheres(Bvh<Node<S>, Spheres>),
+    Shapes(Bvh<Node<S>, Shapes>),
 }
 
-/// A borrowed tree of a kind that a body of this interface can have.
+/// A borrowed tree of a kind that a body of this interface can have, or one shape.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum View<'t, S: Storage> {
     Mesh(BvhRef<'t, Node<S>, Triangles>),
     Spheres(BvhRef<'t, Node<S>, Spheres>),
+    Shapes(BvhRef<'t, Node<S>, Shapes>),
+    Shape(&'t Shape),
 }
 
-/// The same, of any storage.
+/// The same, of any storage. One shape goes with both.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum AnyView<'t> {
     Fixed(View<'t, Fixed>),
     Half(View<'t, Half>),
+    Shape(&'t Shape),
 }
 
 impl<S: Storage> Built<S> {
@@ -76,6 +83,7 @@ impl<S: Storage> Built<S> {
         match self {
             Self::Mesh(tree) => View::Mesh(tree.view()),
             Self::Spheres(tree) => View::Spheres(tree.view()),
+            Self::Shapes(tree) => View::Shapes(tree.view()),
         }
     }
 
@@ -83,6 +91,7 @@ impl<S: Storage> Built<S> {
         match self {
             Self::Mesh(tree) => tree.as_bytes(),
             Self::Spheres(tree) => tree.as_bytes(),
+            Self::Shapes(tree) => tree.as_bytes(),
         }
     }
 }
@@ -91,7 +100,7 @@ impl<S: Storage> View<'_, S> {
     fn cap_stats(&self) -> CapStats {
         match self {
             Self::Mesh(tree) => tree.cap_stats(),
-            Self::Spheres(_) => CapStats::default(),
+            Self::Spheres(_) | Self::Shapes(_) | Self::Shape(_) => CapStats::default(),
         }
     }
 }
@@ -100,17 +109,39 @@ impl<'t, S: Storage> View<'t, S> {
     fn open(bytes: &'t [u8], header: &Header) -> Result<Self, Failure> {
         Ok(if header.kind == Kind::SPHERES.code() {
             Self::Spheres(BvhRef::from_bytes(bytes)?)
+        } else if header.kind == Kind::SHAPES.code() {
+            Self::Shapes(BvhRef::from_bytes(bytes)?)
         } else {
             Self::Mesh(BvhRef::from_bytes(bytes)?)
         })
     }
 }
 
-impl AnyView<'_> {
-    pub(crate) const fn storage(&self) -> StorageKind {
+impl<'t> AnyView<'t> {
+    /// The storage. `None` of one shape.
+    pub(crate) const fn storage(&self) -> Option<StorageKind> {
         match self {
-            Self::Fixed(_) => StorageKind::Fixed,
-            Self::Half(_) => StorageKind::Half,
+            Self::Fixed(_) => Some(StorageKind::Fixed),
+            Self::Half(_) => Some(StorageKind::Half),
+            Self::Shape(_) => None,
+        }
+    }
+
+    /// The body, if it goes with bodies of fixed point.
+    pub(crate) const fn fixed(self) -> Option<View<'t, Fixed>> {
+        match self {
+            Self::Fixed(view) => Some(view),
+            Self::Shape(shape) => Some(View::Shape(shape)),
+            Self::Half(_) => None,
+        }
+    }
+
+    /// The body, if it goes with bodies of half floats.
+    pub(crate) const fn half(self) -> Option<View<'t, Half>> {
+        match self {
+            Self::Half(view) => Some(view),
+            Self::Shape(shape) => Some(View::Shape(shape)),
+            Self::Fixed(_) => None,
         }
     }
 
@@ -118,6 +149,7 @@ impl AnyView<'_> {
         match self {
             Self::Fixed(view) => view.cap_stats(),
             Self::Half(view) => view.cap_stats(),
+            Self::Shape(_) => CapStats::default(),
         }
     }
 }
@@ -127,6 +159,8 @@ impl<'t, S: Storage> From<View<'t, S>> for BodyTree<'t, Node<S>> {
         match view {
             View::Mesh(tree) => tree.into(),
             View::Spheres(tree) => tree.into(),
+            View::Shapes(tree) => tree.into(),
+            View::Shape(shape) => (*shape).into(),
         }
     }
 }
@@ -134,24 +168,29 @@ impl<'t, S: Storage> From<View<'t, S>> for BodyTree<'t, Node<S>> {
 impl simdop_body {
     pub(crate) fn view(&self) -> AnyView<'_> {
         match &self.0 {
-            Tree::Lent { view, .. } => *view,
-            Tree::Fixed(built) => AnyView::Fixed(built.view()),
-            Tree::Half(built) => AnyView::Half(built.view()),
+            Geometry::Lent { view, .. } => *view,
+            Geometry::Fixed(built) => AnyView::Fixed(built.view()),
+            Geometry::Half(built) => AnyView::Half(built.view()),
+            Geometry::Shape(shape) => AnyView::Shape(shape),
         }
     }
 
-    fn bytes(&self) -> &[u8] {
+    fn bytes(&self) -> Result<&[u8], Failure> {
         match &self.0 {
-            Tree::Lent { bytes, .. } => bytes,
-            Tree::Fixed(built) => built.bytes(),
-            Tree::Half(built) => built.bytes(),
+            Geometry::Lent { bytes, .. } => Ok(bytes),
+            Geometry::Fixed(built) => Ok(built.bytes()),
+            Geometry::Half(built) => Ok(built.bytes()),
+            Geometry::Shape(_) => {
+                let message = "the body is one shape, without a tree: build_shapes() builds one".to_owned();
+                Err(Failure::new(simdop_error::ShapeNoBytes, message))
+            }
         }
     }
 }
 
 const FIXED: c_int = simdop_storage::Fixed as c_int;
 
-/// Opens a body of triangles or spheres in place from the bytes of a baked tree. First validates the bytes, so that
+/// Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so that
 /// traversal is memory safe, in time linear in their number.
 ///
 /// # Safety
@@ -171,7 +210,7 @@ pub unsafe extern "C" fn simdop_body_open(
             // Opening refuses an unknown storage.
             _ => AnyView::Fixed(View::open(bytes, header)?),
         };
-        Ok(simdop_body(Tree::Lent { bytes, view }))
+        Ok(simdop_body(Geometry::Lent { bytes, view }))
     })
 }
 
@@ -242,8 +281,8 @@ pub unsafe extern "C" fn simdop_body_build_triangles_as(
 
 fn built(builder: Builder, mesh: &Mesh<'_>, storage: c_int) -> Result<simdop_body, Failure> {
     Ok(simdop_body(match simdop_storage::checked(storage)? {
-        simdop_storage::Fixed => Tree::Fixed(Built::Mesh(builder.build_as(mesh)?)),
-        simdop_storage::Half => Tree::Half(Built::Mesh(builder.build_as(mesh)?)),
+        simdop_storage::Fixed => Geometry::Fixed(Built::Mesh(builder.build_as(mesh)?)),
+        simdop_storage::Half => Geometry::Half(Built::Mesh(builder.build_as(mesh)?)),
     }))
 }
 
@@ -332,14 +371,68 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
         let set = SphereSet { spheres: &spheres };
         let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
         Ok(simdop_body(match simdop_storage::checked(storage)? {
-            simdop_storage::Fixed => Tree::Fixed(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
-            simdop_storage::Half => Tree::Half(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
+            simdop_storage::Fixed => {
+                Geometry::Fixed(Built::Spheres(builder.build_geometry(&set, &mut go_on)?))
+            }
+            simdop_storage::Half => Geometry::Half(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
+        }))
+    })
+}
+
+/// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
+/// has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
+/// that its motions are unresolved.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_body_build_shape(
+    shape: Option<&simdop_shape>,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || Ok(simdop_body(Geometry::Shape(given(shape, "shape")?.checked()?))))
+}
+
+/// Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
+/// cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body is empty,
+/// and meets nothing.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_shapes(
+    shapes: *const simdop_shape,
+    count: usize,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    // SAFETY: the caller gives the same guarantee.
+    unsafe { simdop_body_build_shapes_as(shapes, count, FIXED, body) }
+}
+
+/// Builds a body like simdop_body_build_shapes(), with planes in `storage`, a simdop_storage.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_shapes_as(
+    shapes: *const simdop_shape,
+    count: usize,
+    storage: c_int,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || {
+        // SAFETY: the caller guarantees the length.
+        let shapes = checked(unsafe { items(shapes, count, "shapes") }?, "shape", simdop_shape::checked)?;
+        let set = ShapeSet::new(&shapes)?;
+        let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
+        Ok(simdop_body(match simdop_storage::checked(storage)? {
+            simdop_storage::Fixed => {
+                Geometry::Fixed(Built::Shapes(builder.build_geometry(&set, &mut go_on)?))
+            }
+            simdop_storage::Half => Geometry::Half(Built::Shapes(builder.build_geometry(&set, &mut go_on)?)),
         }))
     })
 }
 
 /// Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
-/// to the caller that opened it, and have the same lifetime.
+/// to the caller that opened it, and have the same lifetime. A body of one shape has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_bytes(
     body: Option<&simdop_body>,
@@ -347,7 +440,7 @@ pub extern "C" fn simdop_body_bytes(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> simdop_error {
     guarded(|| {
-        let tree = given(body, "body")?.bytes();
+        let tree = given(body, "body")?.bytes()?;
         let (bytes, count) = (given(bytes, "bytes")?, given(count, "count")?);
         bytes.write(tree.as_ptr());
         count.write(tree.len());

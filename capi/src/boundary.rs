@@ -70,6 +70,16 @@ pub(crate) unsafe fn places<'a, T>(
     Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), count) })
 }
 
+/// All items after conversion, or the error of the first invalid one.
+pub(crate) fn checked<T, C>(
+    items: &[T],
+    name: &str,
+    check: impl Fn(&T) -> Result<C, Failure>,
+) -> Result<Vec<C>, Failure> {
+    let check = |(i, item)| check(item).map_err(|failure| failure.of(&format!("{name} {i}")));
+    items.iter().enumerate().map(check).collect()
+}
+
 fn can_be_array<T>(first: *const T, count: usize, name: &str) -> Result<(), Failure> {
     if first.is_null() {
         return given(None, name);

@@ -13,11 +13,14 @@ mod error;
 mod motion;
 mod pose;
 mod query;
+mod reversed;
 mod robot;
 mod scene;
+mod shape;
 
 pub use body::{
-    simdop_body, simdop_body_build_solid, simdop_body_build_solid_with_caps, simdop_body_build_spheres,
+    simdop_body, simdop_body_build_shape, simdop_body_build_shapes, simdop_body_build_shapes_as,
+    simdop_body_build_solid, simdop_body_build_solid_with_caps, simdop_body_build_spheres,
     simdop_body_build_spheres_as, simdop_body_build_surface, simdop_body_build_triangles_as,
     simdop_body_bytes, simdop_body_caps, simdop_body_destroy, simdop_body_open, simdop_caps, simdop_storage,
 };
@@ -38,7 +41,8 @@ pub use scene::{
     simdop_scene_allow_collision, simdop_scene_answer, simdop_scene_attach, simdop_scene_check_joint_motion,
     simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
     simdop_scene_clearance, simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_create,
-    simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_forbid_collision,
-    simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_place, simdop_scene_remove,
-    simdop_scene_within,
+    simdop_scene_create_as, simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit,
+    simdop_scene_forbid_collision, simdop_scene_hit, simdop_scene_hits, simdop_scene_insert,
+    simdop_scene_place, simdop_scene_remove, simdop_scene_within,
 };
+pub use shape::{simdop_shape, simdop_shape_kind};

@@ -1,9 +1,10 @@
 //! Queries of two bodies.
 
-use crate::body::{AnyView, View, simdop_body};
+use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
+use crate::reversed;
 use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half};
 use simdop::pose::Pose;
@@ -187,7 +188,7 @@ struct Posed<'a> {
     pose: Pose,
 }
 
-/// Two bodies of one storage.
+/// Two bodies that go together.
 enum Both<'a> {
     Fixed(View<'a, Fixed>, View<'a, Fixed>),
     Half(View<'a, Half>, View<'a, Half>),
@@ -200,42 +201,59 @@ impl<'a> Posed<'a> {
         a_in_b: Option<&simdop_pose>,
     ) -> Result<Self, Failure> {
         let pose = given(a_in_b, "a_in_b")?.checked()?;
-        let bodies = match (given(a, "a")?.view(), given(b, "b")?.view()) {
-            (AnyView::Fixed(a), AnyView::Fixed(b)) => Both::Fixed(a, b),
-            (AnyView::Half(a), AnyView::Half(b)) => Both::Half(a, b),
-            (a, b) => {
-                let message = format!(
-                    "a body of {} cannot be tested against one of {}: build one of them again",
-                    a.storage(),
-                    b.storage()
-                );
-                return Err(Failure::new(simdop_error::OtherStorage, message));
-            }
+        let (a, b) = (given(a, "a")?.view(), given(b, "b")?.view());
+        let bodies = if let (Some(a), Some(b)) = (a.fixed(), b.fixed()) {
+            Both::Fixed(a, b)
+        } else if let (Some(a), Some(b)) = (a.half(), b.half()) {
+            Both::Half(a, b)
+        } else {
+            let [a, b] = [a, b].map(|view| view.storage().unwrap_or_default());
+            let message =
+                format!("a body of {a} cannot be tested against one of {b}: build one of them again");
+            return Err(Failure::new(simdop_error::OtherStorage, message));
         };
         Ok(Self { bodies, pose })
     }
 }
 
-/// Evaluates an expression with the trees of both bodies, whatever their storage and primitives.
-macro_rules! with_trees {
-    ($posed:expr, |$a:ident, $b:ident| $with:expr) => {
+/// Evaluates one of four expressions with both bodies, whatever their storage and primitives: of two trees, of a shape
+/// and a tree, of a tree and a shape, or of two shapes.
+macro_rules! with_bodies {
+    ($posed:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
         match $posed.bodies {
-            Both::Fixed(a, b) => with_trees!(of a, b, |$a, $b| $with),
-            Both::Half(a, b) => with_trees!(of a, b, |$a, $b| $with),
+            Both::Fixed(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
+            Both::Half(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
         }
     };
-    (of $of_a:ident, $of_b:ident, |$a:ident, $b:ident| $with:expr) => {
+    (
+        of $of_a:ident, $of_b:ident, |$a:ident, $b:ident|
+        $trees:expr, $beside:expr, $reversed:expr, $shapes:expr
+    ) => {
         match ($of_a, $of_b) {
-            (View::Mesh($a), View::Mesh($b)) => $with,
-            (View::Mesh($a), View::Spheres($b)) => $with,
-            (View::Spheres($a), View::Mesh($b)) => $with,
-            (View::Spheres($a), View::Spheres($b)) => $with,
+            (View::Mesh($a), View::Mesh($b)) => $trees,
+            (View::Mesh($a), View::Spheres($b)) => $trees,
+            (View::Mesh($a), View::Shapes($b)) => $trees,
+            (View::Spheres($a), View::Mesh($b)) => $trees,
+            (View::Spheres($a), View::Spheres($b)) => $trees,
+            (View::Spheres($a), View::Shapes($b)) => $trees,
+            (View::Shapes($a), View::Mesh($b)) => $trees,
+            (View::Shapes($a), View::Spheres($b)) => $trees,
+            (View::Shapes($a), View::Shapes($b)) => $trees,
+            (View::Shape($a), View::Mesh($b)) => $beside,
+            (View::Shape($a), View::Spheres($b)) => $beside,
+            (View::Shape($a), View::Shapes($b)) => $beside,
+            (View::Shape($a), View::Shape($b)) => $shapes,
+            ($a, View::Shape($b)) => $reversed,
         }
     };
 }
 
-/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Stops after `budget`
-/// visits. Both bodies have the same storage.
+/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
+/// simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+///
+/// If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
+/// about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
+/// pose must be as close to a rotation as in a scene. So pass the shape as `a`.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide(
     a: Option<&simdop_body>,
@@ -246,7 +264,15 @@ pub extern "C" fn simdop_collide(
 ) -> simdop_error {
     answered(answer, || {
         let posed = Posed::new(a, b, a_in_b)?;
-        Ok(with_trees!(posed, |a, b| query(budget).collide(&a, &b, &posed.pose)).into())
+        let (query, pose) = (query(budget), &posed.pose);
+        let answer = with_bodies!(
+            posed,
+            |a, b| query.collide(&a, &b, pose),
+            query.collide_shape(a, &b, pose),
+            reversed::within(&query, a, b, pose, 0.0)?,
+            query.collide_shapes(a, b, pose),
+        );
+        Ok(answer.into())
     })
 }
 
@@ -263,7 +289,15 @@ pub extern "C" fn simdop_within(
 ) -> simdop_error {
     answered(answer, || {
         let posed = Posed::new(a, b, a_in_b)?;
-        Ok(with_trees!(posed, |a, b| query(budget).within(&a, &b, &posed.pose, margin))?.into())
+        let (query, pose) = (query(budget), &posed.pose);
+        let answer = with_bodies!(
+            posed,
+            |a, b| query.within(&a, &b, pose, margin)?,
+            query.within_shape(a, &b, pose, margin)?,
+            reversed::within(&query, a, b, pose, margin)?,
+            query.within_shapes(a, b, pose, margin)?,
+        );
+        Ok(answer.into())
     })
 }
 
@@ -281,6 +315,14 @@ pub extern "C" fn simdop_distance(
 ) -> simdop_error {
     answered(answer, || {
         let posed = Posed::new(a, b, a_in_b)?;
-        Ok(with_trees!(posed, |a, b| query(budget).distance(&a, &b, &posed.pose, tolerance))?.into())
+        let (query, pose, cutoff) = (query(budget), &posed.pose, f64::INFINITY);
+        let answer = with_bodies!(
+            posed,
+            |a, b| query.distance(&a, &b, pose, tolerance)?,
+            query.distance_shape(a, &b, pose, tolerance, cutoff)?,
+            reversed::distance(&query, a, b, pose, tolerance)?,
+            query.distance_shapes(a, b, pose, tolerance, cutoff)?,
+        );
+        Ok(answer.into())
     })
 }

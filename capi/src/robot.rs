@@ -1,6 +1,6 @@
 //! Robots: bodies on links that joints move.
 
-use crate::boundary::{given, guarded, items, make, places};
+use crate::boundary::{checked, given, guarded, items, make, places};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError};
@@ -106,16 +106,6 @@ impl simdop_link_body {
     fn checked(&self) -> Result<LinkBody, Failure> {
         Ok(LinkBody { link: self.link, at: self.pose.checked()? })
     }
-}
-
-/// All items after conversion, or the error of the first invalid one.
-fn checked<T, C>(
-    items: &[T],
-    name: &str,
-    check: impl Fn(&T) -> Result<C, Failure>,
-) -> Result<Vec<C>, Failure> {
-    let check = |(i, item)| check(item).map_err(|failure| failure.of(&format!("{name} {i}")));
-    items.iter().enumerate().map(check).collect()
 }
 
 /// Creates a robot. `base` is the pose of its base in the world; each of the `joint_count` joints comes after those

@@ -13,7 +13,7 @@ use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::num::NonZeroU32;
 use support::robot::Parts;
-use support::{Rng, answer, handle, meshes_of, pose, sphere_sets_of};
+use support::{Rng, answer, handle, meshes_of, number, pose, shape_sets_of, single_shapes, sphere_sets_of};
 
 /// Bodies that each move by a screw of their own.
 struct Screws(Vec<(Screw, Pose)>);
@@ -182,8 +182,13 @@ fn scene<S: Storage>(
     let (meshes, spheres) = (meshes_of::<S>(rng), sphere_sets_of::<S>(rng));
     let meshes = meshes.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
     let spheres = spheres.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
-    let bodies: Vec<_> = meshes.chain(spheres).collect();
-    let (mut c, mut rust) = (handle(|scene| simdop_scene_create(scene)).unwrap(), Scene::new());
+    let (sets, shapes) = (shape_sets_of::<S>(rng), single_shapes(rng));
+    let sets = sets.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
+    // A half-space, the last one, certifies no motion.
+    let shapes = shapes.into_iter().take(5).map(|body| (body.c, Body::new(body.rust)));
+    let bodies: Vec<_> = meshes.chain(spheres).chain(sets).chain(shapes).collect();
+    let mut c = handle(|scene| simdop_scene_create_as(number::<S>(), scene)).unwrap();
+    let mut rust = Scene::new();
     let (mut ids, mut places) = (Vec::new(), Vec::new());
     for i in 0..8 {
         let (c_body, body) = *rng.pick(&bodies);
@@ -282,7 +287,7 @@ fn straight_edges_of<S: Storage>() {
     let mut rng = Rng::new(6);
     let (mut verdicts, mut memory) = ([0; 3], Memory::new());
     let (mut values, mut links) = ([0.0; 8], [LinkFrame::EMPTY; 8]);
-    for round in 0..120 {
+    for round in 0..200 {
         let (mut c, mut rust, ids, _) = scene::<S>(&mut rng);
         let c_ids: Vec<_> = ids[..3].iter().map(|id| id.to_bits()).collect();
         // Robots with more and with fewer joints in one scene.

@@ -14,7 +14,8 @@ use std::mem::{MaybeUninit, offset_of};
 use std::ptr::null;
 use support::robot::{faults, hinge};
 use support::{
-    IDENTITY, answer, bytes, capped, handle, open, solid, spheres, spheres_as, surface, triangles_as,
+    BALL, IDENTITY, answer, bytes, capped, handle, open, shape, shapes, shapes_as, solid, spheres,
+    spheres_as, surface, triangles_as,
 };
 
 const VERTICES: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -129,6 +130,95 @@ fn of_building() -> Vec<simdop_error> {
     ]
 }
 
+/// A pose within the tolerance, whose columns are less perpendicular than its rows.
+const SKEWED: simdop_pose = simdop_pose {
+    rows: [
+        [0.9083089, -0.0916911, -0.4082483, 0.0],
+        [-0.0916911, 0.9083089, -0.4082483, 0.0],
+        [0.4083089, 0.4083089, 0.8164966, 0.0],
+    ],
+};
+
+/// All errors of shapes.
+fn of_shapes() -> Vec<simdop_error> {
+    let (huge, length) = (2_f64.powi(300), Err(simdop_error::ShapeLength));
+    let of = |kind: simdop_shape_kind, numbers: [f64; 4]| simdop_shape { kind: kind as u32, numbers, ..BALL };
+    for (kind, count) in [
+        (simdop_shape_kind::Sphere, 1),
+        (simdop_shape_kind::Capsule, 2),
+        (simdop_shape_kind::Cuboid, 3),
+        (simdop_shape_kind::Cylinder, 2),
+        (simdop_shape_kind::Cone, 2),
+    ] {
+        for place in 0..count {
+            for number in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-80, 1e100] {
+                let mut numbers = [1.0; 4];
+                numbers[place] = number;
+                assert_eq!(shape(&of(kind, numbers)).map(drop), length, "{kind:?} {numbers:?}");
+            }
+        }
+        assert!(shape(&of(kind, [1.0; 4])).is_ok());
+    }
+    for radius in [-1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(shape(&simdop_shape { radius, ..BALL }).map(drop), length);
+    }
+    let half_space = |numbers| of(simdop_shape_kind::HalfSpace, numbers);
+    let (ground, cuboid) = (half_space([0.0, 0.0, 2.0, 1.0]), of(simdop_shape_kind::Cuboid, [1.0; 4]));
+    assert!(shape(&ground).is_ok());
+    let mut far = of(simdop_shape_kind::Capsule, [1.0, huge, 0.0, 0.0]);
+    far.pose.rows[2][3] = huge;
+    let mut beyond = simdop_shape { numbers: [huge; 4], ..BALL };
+    beyond.pose.rows[0][3] = huge;
+    let mut nowhere = BALL;
+    nowhere.pose.rows[0][0] = 0.0;
+    let length = shapes(&[BALL, simdop_shape { radius: -1.0, ..BALL }]).unwrap_err();
+    assert!(last_error().starts_with("shape 1: "), "{}", last_error());
+    let skewed = shape(&simdop_shape { pose: SKEWED, ..cuboid }).unwrap_err();
+    assert!(last_error().contains("perpendicular"), "{}", last_error());
+    let ball = shape(&BALL).unwrap();
+    let bytes = answer(|count| simdop_body_bytes(Some(&ball), Some(&mut MaybeUninit::uninit()), count));
+    vec![
+        length,
+        skewed,
+        bytes.unwrap_err(),
+        shape(&simdop_shape { kind: 6, ..BALL }).unwrap_err(),
+        shape(&simdop_shape { kind: u32::MAX, ..BALL }).unwrap_err(),
+        shape(&half_space([0.0, 0.0, 0.0, 1.0])).unwrap_err(),
+        shape(&half_space([0.0, f64::NAN, 1.0, 1.0])).unwrap_err(),
+        shape(&half_space([0.0, 0.0, 1.0, f64::INFINITY])).unwrap_err(),
+        shape(&far).unwrap_err(),
+        shape(&nowhere).unwrap_err(),
+        shapes(&[BALL, ground]).unwrap_err(),
+        shapes(&[beyond]).unwrap_err(),
+        shapes(&[simdop_shape { kind: simdop_shape_kind::Cuboid as u32, ..beyond }]).unwrap_err(),
+        shapes_as(&[BALL], 2).unwrap_err(),
+        handle(|scene| simdop_scene_create_as(2, scene)).unwrap_err(),
+    ]
+}
+
+#[test]
+fn shapes_have_the_codes_of_their_faults() {
+    use simdop_error::*;
+    let expected = [
+        ShapeLength,
+        ShapeNotPerpendicular,
+        ShapeNoBytes,
+        ShapeNoSuchKind,
+        ShapeNoSuchKind,
+        ShapeNoDirection,
+        ShapeCoordinate,
+        ShapeCoordinate,
+        ShapeCoordinate,
+        PoseNotOrthonormal,
+        ShapeUnbounded,
+        BuildRadius,
+        BuildVertex,
+        BuildNoSuchStorage,
+        BuildNoSuchStorage,
+    ];
+    assert_eq!(of_shapes(), expected);
+}
+
 /// All errors of poses and margins.
 fn of_queries() -> Vec<simdop_error> {
     let body = surface(&TETRAHEDRON).unwrap();
@@ -151,6 +241,20 @@ fn of_queries() -> Vec<simdop_error> {
     let not_unit =
         answer(|pose| unsafe { simdop_pose_from_quaternion(zeros.as_ptr(), zeros.as_ptr(), pose) });
     let margin = answer(|answer| simdop_within(body, body, Some(&IDENTITY), -1.0, SIMDOP_NO_BUDGET, answer));
+    let ball = shape(&BALL).unwrap();
+    let ball = Some(&*ball);
+    for (a, b) in [(body, ball), (ball, body), (ball, ball)] {
+        for wrong in [-1.0, f64::NAN, f64::INFINITY] {
+            let (pose, no_budget) = (Some(&IDENTITY), SIMDOP_NO_BUDGET);
+            let within = answer(|answer| simdop_within(a, b, pose, wrong, no_budget, answer));
+            let distance = answer(|answer| simdop_distance(a, b, pose, wrong, no_budget, answer));
+            assert_eq!([within.unwrap_err(), distance.unwrap_err()], [simdop_error::Tolerance; 2]);
+        }
+        // The inverse of the pose is needed for a tree against a shape only.
+        let skewed = answer(|answer| simdop_collide(a, b, Some(&SKEWED), SIMDOP_NO_BUDGET, answer));
+        let is_inverted = std::ptr::eq(a.unwrap(), body.unwrap());
+        assert_eq!(skewed.err(), is_inverted.then_some(simdop_error::PoseNotOrthonormal));
+    }
     vec![
         not_rigid,
         placed(0, 3, f64::NAN),
@@ -307,6 +411,10 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
         errors.push(simdop_body_build_spheres_as(numbers, 3, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres(numbers, 3, None));
+        errors.push(handle(|body| simdop_body_build_shapes(null(), 1, body)).unwrap_err());
+        errors.push(simdop_body_build_shapes([BALL].as_ptr(), 1, None));
+        errors.push(handle(|body| simdop_body_build_shapes_as(null(), 1, 1, body)).unwrap_err());
+        errors.push(simdop_body_build_shapes_as([BALL].as_ptr(), 1, 1, None));
         errors.push(answer(|pose| simdop_pose_from_quaternion(null(), numbers, pose)).unwrap_err());
         errors.push(answer(|pose| simdop_pose_from_quaternion(numbers, null(), pose)).unwrap_err());
         errors.push(simdop_pose_from_quaternion(numbers, numbers, None));
@@ -344,7 +452,10 @@ fn of_null() -> Vec<simdop_error> {
     errors.push(simdop_within(some, some, pose, 0.0, no_budget, None));
     errors.push(simdop_distance(some, some, pose, 0.0, no_budget, None));
 
+    errors.push(handle(|body| simdop_body_build_shape(None, body)).unwrap_err());
+    errors.push(simdop_body_build_shape(Some(&BALL), None));
     errors.push(simdop_scene_create(None));
+    errors.push(simdop_scene_create_as(0, None));
     errors.push(answer(|id| simdop_scene_insert(None, some, Some(&role), pose, id)).unwrap_err());
     for (body, role, pose) in [(None, Some(&role), pose), (some, None, pose), (some, Some(&role), None)] {
         errors.push(answer(|id| simdop_scene_insert(Some(&mut scene), body, role, pose, id)).unwrap_err());
@@ -378,7 +489,7 @@ fn null_is_an_error_wherever_it_is_given() {
 
 #[test]
 fn every_code_can_be_had_and_has_a_text() {
-    let had = [of_null(), of_bytes(), of_building(), of_queries(), of_scenes()].concat();
+    let had = [of_null(), of_bytes(), of_building(), of_shapes(), of_queries(), of_scenes()].concat();
     let had: BTreeSet<_> = had.into_iter().map(|error| error as c_int).collect();
     let header = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/include/simdop.h")).unwrap();
     let codes: Vec<(&str, c_int)> = header

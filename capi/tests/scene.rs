@@ -10,7 +10,10 @@ use simdop::scene::{Body, BodyId, Groups, Scene, SceneHit, SceneVerdict};
 use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::ops::ControlFlow;
-use support::{IDENTITY, Rng, answer, handle, meshes_of, pose, sphere_sets_of};
+use support::{
+    BALL, IDENTITY, Rng, answer, handle, meshes_of, number, pose, shape, shape_sets_of, single_shapes,
+    sphere_sets_of,
+};
 
 /// Adds a hit to the list behind `user`, and stops at the length behind it.
 unsafe extern "C" fn collect(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int {
@@ -106,10 +109,13 @@ fn scenes_of<S: Storage>() {
     let (meshes, spheres) = (meshes_of::<S>(&mut rng), sphere_sets_of::<S>(&mut rng));
     let meshes = meshes.iter().map(|body| (body.c, Body::new(body.rust.view())));
     let spheres = spheres.iter().map(|body| (body.c, Body::new(body.rust.view())));
-    let bodies: Vec<_> = meshes.chain(spheres).collect();
+    let (sets, shapes) = (shape_sets_of::<S>(&mut rng), single_shapes(&mut rng));
+    let sets = sets.iter().map(|body| (body.c, Body::new(body.rust.view())));
+    let shapes = shapes.iter().map(|body| (body.c, Body::new(body.rust)));
+    let bodies: Vec<_> = meshes.chain(spheres).chain(sets).chain(shapes).collect();
     let mut verdicts = [0; 3];
     for _ in 0..30 {
-        let mut c = handle(|scene| simdop_scene_create(scene)).unwrap();
+        let mut c = handle(|scene| simdop_scene_create_as(number::<S>(), scene)).unwrap();
         let mut rust = Scene::new();
         for step in 0..60 {
             let ids: Vec<BodyId> = rust.ids().collect();
@@ -168,6 +174,46 @@ fn scenes_of<S: Storage>() {
     assert!(verdicts.iter().all(|&count| count > 100), "{verdicts:?}");
 }
 
+fn insert(
+    scene: &mut simdop_scene,
+    body: &'static simdop_body,
+    radius: f64,
+) -> Result<simdop_body_id, simdop_error> {
+    let role = simdop_role { radius, ..simdop_role_default() };
+    answer(|id| simdop_scene_insert(Some(scene), Some(body), Some(&role), Some(&IDENTITY), id))
+}
+
+/// A shape has no storage: it goes into each scene, and is of fixed point where nothing else decides.
+#[test]
+fn a_scene_of_a_chosen_storage_takes_shapes_first() {
+    let (fixed, half) = (meshes_of::<Fixed>(&mut Rng::new(6))[0].c, meshes_of::<Half>(&mut Rng::new(6))[0].c);
+    let shape: &'static simdop_body = Box::leak(shape(&BALL).unwrap());
+    for (chosen, same, other) in [
+        (None, fixed, half),
+        (Some(simdop_storage::Fixed), fixed, half),
+        (Some(simdop_storage::Half), half, fixed),
+    ] {
+        let mut scene = handle(|scene| match chosen {
+            None => simdop_scene_create(scene),
+            Some(storage) => simdop_scene_create_as(storage as c_int, scene),
+        });
+        let scene = scene.as_mut().unwrap();
+        if chosen.is_some() {
+            assert_eq!(insert(scene, other, 0.0), Err(simdop_error::OtherStorage));
+        }
+        insert(scene, shape, 0.0).unwrap();
+        assert_eq!(insert(scene, other, 0.0), Err(simdop_error::OtherStorage));
+        insert(scene, same, 0.0).unwrap();
+        insert(scene, shape, 0.0).unwrap();
+    }
+    // After a body of half floats, too.
+    let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+    insert(&mut scene, half, 0.0).unwrap();
+    insert(&mut scene, shape, 0.0).unwrap();
+    assert_eq!(insert(&mut scene, fixed, 0.0), Err(simdop_error::OtherStorage));
+    simdop_scene_destroy(Some(scene));
+}
+
 /// The first body decides the storage of a scene for good, since ids outlive their bodies.
 #[test]
 fn a_scene_has_bodies_of_one_storage() {
@@ -176,10 +222,6 @@ fn a_scene_has_bodies_of_one_storage() {
     let other = Err(simdop_error::OtherStorage);
     for [first, second] in [[fixed, half], [half, fixed]] {
         let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
-        let insert = |scene: &mut simdop_scene, body, radius| {
-            let role = simdop_role { radius, ..simdop_role_default() };
-            answer(|id| simdop_scene_insert(Some(scene), Some(body), Some(&role), Some(&IDENTITY), id))
-        };
         // What is refused decides nothing.
         assert_eq!(insert(&mut scene, second, f64::NAN), Err(simdop_error::SceneRadius));
         let id = insert(&mut scene, first, 0.0).unwrap();

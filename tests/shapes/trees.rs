@@ -273,6 +273,45 @@ fn solids_hold_shapes_and_shapes_hold_solids() {
 }
 
 #[test]
+fn an_empty_tree_is_free_of_every_shape() {
+    let (empty, mut rng) = (set::<Node16<18>>(&[]), Rng::new(3));
+    let shapes = [shape(&mut rng), half_space(&mut rng)];
+    for (isa, shape) in Isa::available().into_iter().flat_map(|isa| shapes.map(|shape| (isa, shape))) {
+        let query = Query::new(isa);
+        assert!(query.collide_shape(&shape, &empty, &Pose::IDENTITY).is_free());
+        assert!(query.within_shape(&shape, &empty, &Pose::IDENTITY, 1e9).unwrap().is_free());
+        let distance = query.distance_shape(&shape, &empty, &Pose::IDENTITY, 0.0, 5.0).unwrap();
+        assert_eq!((distance.lower, distance.upper, distance.witness), (5.0, f64::INFINITY, None));
+    }
+}
+
+#[test]
+fn queries_of_two_shapes_are_those_of_the_pair() {
+    let (mut rng, query, mut hits) = (Rng::new(4), Query::new(Isa::detect()), [0; 2]);
+    for _ in 0..500 {
+        let (a, b, margin) = (shape(&mut rng), shape(&mut rng), rng.range(0.0, 0.5));
+        let at = pose(&rotation(&mut rng), random_point(&mut rng, [0.5, 2.0]));
+        let moved = a.moved(&at);
+        assert_eq!(query.collide_shapes(&a, &b, &at).is_free(), !meets(&moved, &b));
+        let near = query.within_shapes(&a, &b, &at, margin).unwrap();
+        assert_eq!(near.is_free(), !is_within(&moved, &b, margin));
+        let distance = query.distance_shapes(&a, &b, &at, 1e-6, f64::INFINITY).unwrap();
+        let found = separation(&moved, &b, f64::INFINITY, 1e-6).unwrap();
+        assert_eq!((distance.lower, distance.upper), (found.lower, found.upper));
+        let below = query.distance_shapes(&a, &b, &at, 1e-6, found.upper * 0.5).unwrap();
+        assert_eq!(below.witness.is_none(), found.upper > 0.0, "{below:?}");
+        hits[usize::from(near.is_free())] += 1;
+    }
+    assert!(hits.iter().all(|&count| count > 50), "{hits:?}");
+    let (ball, at) = (Shape::sphere(1.0).unwrap(), Pose::IDENTITY);
+    for wrong in [-1.0, f64::NAN] {
+        assert!(query.within_shapes(&ball, &ball, &at, wrong).is_err());
+        assert!(query.distance_shapes(&ball, &ball, &at, wrong, 1.0).is_err());
+        assert!(query.distance_shapes(&ball, &ball, &at, 0.0, wrong).is_err());
+    }
+}
+
+#[test]
 fn what_is_no_shape_is_refused() {
     let plane = Shape::half_space([0.0, 0.0, 1.0], 0.0).unwrap();
     assert_eq!(ShapeSet::new(&[plane]).err(), Some(ShapeError::Unbounded));

@@ -47,7 +47,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 /// Runs `f` and returns the number of its allocator calls.
-fn calls<R>(f: impl FnOnce() -> R) -> (R, u64) {
+pub(crate) fn calls<R>(f: impl FnOnce() -> R) -> (R, u64) {
     let before = CALLS.get();
     let result = black_box(f());
     (result, CALLS.get() - before)

@@ -5,6 +5,7 @@ use simdop::construct::BuildError;
 use simdop::hierarchy::FormatError;
 use simdop::motion::MotionError;
 use simdop::pose::PoseError;
+use simdop::primitive::shape::ShapeError;
 use simdop::query::ToleranceError;
 use simdop::scene::SceneError;
 use std::fmt::Display;
@@ -70,6 +71,19 @@ impl Coded for BuildError {
             Self::Open { .. } => simdop_error::BuildOpen,
             Self::Hole { .. } => simdop_error::BuildHole,
             Self::TooManyCaps { .. } => simdop_error::BuildTooManyCaps,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for ShapeError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Length { .. } => simdop_error::ShapeLength,
+            Self::Coordinate { .. } => simdop_error::ShapeCoordinate,
+            Self::NoDirection => simdop_error::ShapeNoDirection,
+            Self::Unbounded => simdop_error::ShapeUnbounded,
+            Self::NotPerpendicular { .. } => simdop_error::ShapeNotPerpendicular,
             _ => simdop_error::Other,
         }
     }

@@ -40,7 +40,7 @@ pub enum simdop_error {
     BytesNotATree = 20,
     /// The tree has the layout of another version: bake it again.
     BytesVersion = 21,
-    /// The primitives of the tree are neither triangles nor spheres.
+    /// The primitives of the tree are neither triangles nor spheres nor shapes.
     BytesOtherPrimitive = 22,
     /// The tree's k and arity are not 18 and 16: bake it again.
     BytesOtherNode = 23,
@@ -65,9 +65,9 @@ pub enum simdop_error {
     /// The tree of the caps in the bytes is invalid.
     BytesCaps = 33,
 
-    /// A vertex is NaN, infinite, or beyond 2^300.
+    /// A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
     BuildVertex = 40,
-    /// A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300.
+    /// A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300, or a round shape does.
     BuildRadius = 41,
     /// All coordinates are below 2^-250: use a smaller unit.
     BuildTooSmall = 42,
@@ -75,12 +75,27 @@ pub enum simdop_error {
     BuildPrimitive = 43,
     /// A mesh to be built as a solid is not closed, or its triangles are not oriented consistently.
     BuildOpen = 44,
-    /// A body's storage is not one of simdop_storage.
+    /// A storage is not one of simdop_storage.
     BuildNoSuchStorage = 45,
     /// A mesh to be built as a solid with caps has a hole that is wider than the limit.
     BuildHole = 46,
     /// The holes of a mesh would take more than 16,384 triangles to cap.
     BuildTooManyCaps = 47,
+
+    /// A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
+    ShapeLength = 50,
+    /// A coordinate of a shape is NaN, infinite, or beyond 2^300.
+    ShapeCoordinate = 51,
+    /// The normal of a half-space is zero.
+    ShapeNoDirection = 52,
+    /// A half-space among the shapes of a tree, which are bounded: build it as a body of one shape.
+    ShapeUnbounded = 53,
+    /// A pose skews a cuboid: the cosine of the angle of two of its edges is beyond 1e-4.
+    ShapeNotPerpendicular = 54,
+    /// A shape's kind is not one of simdop_shape_kind.
+    ShapeNoSuchKind = 55,
+    /// A body of one shape has no bytes: use simdop_body_build_shapes(), which builds a tree.
+    ShapeNoBytes = 56,
 
     /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
     Tolerance = 60,
@@ -122,7 +137,7 @@ pub enum simdop_error {
     MotionNoSuchKind = 90,
 }
 
-const TEXTS: [(simdop_error, &CStr); 51] = [
+const TEXTS: [(simdop_error, &CStr); 58] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -136,7 +151,10 @@ const TEXTS: [(simdop_error, &CStr); 51] = [
     (simdop_error::PoseNotUnit, c"a pose's quaternion is not a unit quaternion"),
     (simdop_error::BytesNotATree, c"the bytes are not a baked tree"),
     (simdop_error::BytesVersion, c"the tree has the layout of another version"),
-    (simdop_error::BytesOtherPrimitive, c"the primitives of the tree are neither triangles nor spheres"),
+    (
+        simdop_error::BytesOtherPrimitive,
+        c"the primitives of the tree are neither triangles nor spheres nor shapes",
+    ),
     (simdop_error::BytesOtherNode, c"the tree's k and arity are not 18 and 16"),
     (simdop_error::BytesTruncated, c"the bytes of the tree are truncated"),
     (simdop_error::BytesTooLong, c"bytes follow the end of the tree"),
@@ -153,9 +171,16 @@ const TEXTS: [(simdop_error, &CStr); 51] = [
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
     (simdop_error::BuildPrimitive, c"a triangle refers to a vertex that does not exist"),
     (simdop_error::BuildOpen, c"a mesh to be built as a solid is not closed"),
-    (simdop_error::BuildNoSuchStorage, c"a body's storage is not one of simdop_storage"),
+    (simdop_error::BuildNoSuchStorage, c"a storage is not one of simdop_storage"),
     (simdop_error::BuildHole, c"a mesh has a hole that is wider than the limit"),
     (simdop_error::BuildTooManyCaps, c"the holes of a mesh would take too many triangles to cap"),
+    (simdop_error::ShapeLength, c"a radius, side or height of a shape is not a length"),
+    (simdop_error::ShapeCoordinate, c"a coordinate of a shape is not finite, or out of range"),
+    (simdop_error::ShapeNoDirection, c"the normal of a half-space is zero"),
+    (simdop_error::ShapeUnbounded, c"a body of several shapes cannot have a half-space"),
+    (simdop_error::ShapeNotPerpendicular, c"a pose skews a cuboid"),
+    (simdop_error::ShapeNoSuchKind, c"a shape's kind is not one of simdop_shape_kind"),
+    (simdop_error::ShapeNoBytes, c"a body of one shape has no bytes"),
     (
         simdop_error::Tolerance,
         c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution is not positive",

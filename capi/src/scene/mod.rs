@@ -13,7 +13,7 @@ pub use edge::{
     simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
 };
 
-use crate::body::{AnyView, Node, View, simdop_body};
+use crate::body::{Node, View, simdop_body, simdop_storage};
 use crate::boundary::{given, guarded, make};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
@@ -31,7 +31,8 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct simdop_scene {
     scene: AnyScene,
-    /// Whether a body was ever inserted: then the storage is that of the scene, since ids outlive their bodies.
+    /// Whether it was chosen, or a body was ever inserted: then the storage is that of the scene, since ids outlive their
+    /// bodies.
     has_storage: bool,
     room: EdgeRoom,
 }
@@ -119,7 +120,8 @@ macro_rules! change {
     };
 }
 
-/// Creates an empty scene. It grows as bodies are inserted.
+/// Creates an empty scene. It grows as bodies are inserted. The first body decides the storage of all bodies of the
+/// scene; if that is one shape, which has none, it is fixed point.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
@@ -130,6 +132,21 @@ pub extern "C" fn simdop_scene_create(
     })
 }
 
+/// Creates an empty scene of bodies in `storage`, a simdop_storage, whichever body comes first.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_create_as(
+    storage: c_int,
+    scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
+) -> simdop_error {
+    make(scene, "scene", || {
+        let scene = AnyScene::new(match simdop_storage::checked(storage)? {
+            simdop_storage::Fixed => StorageKind::Fixed,
+            simdop_storage::Half => StorageKind::Half,
+        });
+        Ok(simdop_scene { scene, has_storage: true, room: EdgeRoom::default() })
+    })
+}
+
 /// Destroys a scene, but none of its bodies. Does nothing for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_destroy(scene: Option<Box<simdop_scene>>) {
@@ -137,8 +154,7 @@ pub extern "C" fn simdop_scene_destroy(scene: Option<Box<simdop_scene>>) {
 }
 
 /// Inserts a body into a scene at the pose `world`. A body may be inserted into several scenes, and several times into
-/// one. It must exist until it is removed or the scene is destroyed. The first body decides the storage of all bodies
-/// of the scene.
+/// one. It must exist until it is removed or the scene is destroyed.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_insert(
     scene: Option<&mut simdop_scene>,
@@ -151,17 +167,17 @@ pub extern "C" fn simdop_scene_insert(
         let simdop_scene { scene, has_storage, .. } = given(scene, "scene")?;
         let (role, view) = (given(role, "role")?, given(body, "body")?.view());
         let (world, id) = (given(world, "world")?.checked()?, given(id, "id")?);
-        if !*has_storage && scene.storage() != view.storage() {
-            *scene = AnyScene::new(view.storage());
+        let storage = view.storage().unwrap_or_else(|| scene.storage());
+        if !*has_storage && scene.storage() != storage {
+            *scene = AnyScene::new(storage);
         }
-        let inserted = match (scene, view) {
-            (AnyScene::Fixed(scene), AnyView::Fixed(view)) => scene.insert(role.body(view), &world)?,
-            (AnyScene::Half(scene), AnyView::Half(view)) => scene.insert(role.body(view), &world)?,
-            (scene, view) => {
-                let message =
-                    format!("a body of {} in a scene of {}: build it again", view.storage(), scene.storage());
-                return Err(Failure::new(simdop_error::OtherStorage, message));
-            }
+        let inserted = if let (AnyScene::Fixed(scene), Some(view)) = (&mut *scene, view.fixed()) {
+            scene.insert(role.body(view), &world)?
+        } else if let (AnyScene::Half(scene), Some(view)) = (&mut *scene, view.half()) {
+            scene.insert(role.body(view), &world)?
+        } else {
+            let message = format!("a body of {storage} in a scene of {}: build it again", scene.storage());
+            return Err(Failure::new(simdop_error::OtherStorage, message));
         };
         *has_storage = true;
         id.write(inserted.to_bits());

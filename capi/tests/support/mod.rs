@@ -1,17 +1,18 @@
 //! Shared by the tests: bodies and poses, through the C functions and through the library.
 
+pub(crate) mod answers;
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
 pub(crate) mod robot;
 
 pub(crate) use rng::Rng;
 
-use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
+use simdop::construct::{Builder, Mesh, OwnedMesh, ShapeSet, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::low_level::key::{Half, Storage};
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::primitive::{Sphere, Spheres};
+use simdop::primitive::{Shape, Shapes, Sphere, Spheres};
 use simdop_capi::*;
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
@@ -126,8 +127,30 @@ pub(crate) fn spheres_as(spheres: &[[f64; 4]], storage: c_int) -> Result<Box<sim
     })
 }
 
+/// A ball of radius 1 about the origin.
+pub(crate) const BALL: simdop_shape = simdop_shape {
+    kind: simdop_shape_kind::Sphere as u32,
+    numbers: [1.0, 0.0, 0.0, 0.0],
+    radius: 0.0,
+    pose: IDENTITY,
+};
+
+pub(crate) fn shape(shape: &simdop_shape) -> Result<Box<simdop_body>, simdop_error> {
+    handle(|body| simdop_body_build_shape(Some(shape), body))
+}
+
+pub(crate) fn shapes(shapes: &[simdop_shape]) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|body| unsafe { simdop_body_build_shapes(shapes.as_ptr(), shapes.len(), body) })
+}
+
+pub(crate) fn shapes_as(shapes: &[simdop_shape], storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|body| unsafe { simdop_body_build_shapes_as(shapes.as_ptr(), shapes.len(), storage, body) })
+}
+
 /// The number of a storage in C.
-fn number<S: Storage>() -> c_int {
+pub(crate) fn number<S: Storage>() -> c_int {
     if S::IS_HALF { simdop_storage::Half as c_int } else { simdop_storage::Fixed as c_int }
 }
 
@@ -189,6 +212,56 @@ pub(crate) fn sphere_sets_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<
     all
 }
 
+/// A random shape of a kind, through both interfaces.
+fn random_shape(rng: &mut Rng, kind: simdop_shape_kind) -> (simdop_shape, Shape) {
+    let (ignored, at) = (f64::NAN, pose(rng));
+    let (radius, [x, y, z]) = (*rng.pick(&[0.0, 0.1]), [(); 3].map(|()| rng.range(0.1, 1.0)));
+    let (numbers, shape) = match kind {
+        simdop_shape_kind::Sphere => ([x, ignored, ignored, ignored], Shape::sphere(x)),
+        simdop_shape_kind::Capsule => ([x, y, ignored, ignored], Shape::capsule(x, y)),
+        simdop_shape_kind::Cuboid => ([x, y, z, ignored], Shape::cuboid([x, y, z])),
+        simdop_shape_kind::Cylinder => ([x, y, ignored, ignored], Shape::cylinder(x, y)),
+        simdop_shape_kind::Cone => ([x, y, ignored, ignored], Shape::cone(x, y)),
+        simdop_shape_kind::HalfSpace => ([x, -y, z, -1.0], Shape::half_space([x, -y, z], -1.0)),
+    };
+    let shape = shape.unwrap().widened(radius).unwrap().moved(&at.1);
+    (simdop_shape { kind: kind as u32, numbers, radius, pose: at.0 }, shape)
+}
+
+const BOUNDED: [simdop_shape_kind; 5] = [
+    simdop_shape_kind::Sphere,
+    simdop_shape_kind::Capsule,
+    simdop_shape_kind::Cuboid,
+    simdop_shape_kind::Cylinder,
+    simdop_shape_kind::Cone,
+];
+
+/// Bodies of one shape, of each kind.
+pub(crate) fn single_shapes(rng: &mut Rng) -> Vec<Twice<Shape>> {
+    let kinds = BOUNDED.into_iter().chain([simdop_shape_kind::HalfSpace]);
+    let shape = |kind| {
+        let (c, rust) = random_shape(rng, kind);
+        Twice { c: Box::leak(shape(&c).unwrap()), rust }
+    };
+    kinds.map(shape).collect()
+}
+
+/// Sets of random shapes.
+pub(crate) fn shape_sets_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S>, Shapes>>> {
+    let mut all = Vec::new();
+    for count in [0, 1, 30] {
+        let mut any = |_| {
+            let kind = *rng.pick(&BOUNDED);
+            random_shape(rng, kind)
+        };
+        let (c, rust): (Vec<_>, Vec<_>) = (0..count).map(&mut any).unzip();
+        let set = ShapeSet::new(&rust).unwrap();
+        let rust = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
+        all.push(Twice { c: Box::leak(shapes_as(&c, number::<S>()).unwrap()), rust });
+    }
+    all
+}
+
 /// A random pose. The bodies meet in about half of all cases.
 pub(crate) fn pose(rng: &mut Rng) -> (simdop_pose, Pose) {
     let rotation = rng.rotation();
@@ -203,6 +276,7 @@ pub(crate) const IDENTITY: simdop_pose =
 /// Names items that only some of the tests use, so that the others compile without a warning.
 const _: () = {
     let _ = (open, bytes, pose, IDENTITY, surface, solid, spheres, capped);
-    let _ = (meshes_of::<Half>, sphere_sets_of::<Half>);
+    let _ = (meshes_of::<Half>, sphere_sets_of::<Half>, shape_sets_of::<Half>, number::<Half>);
+    let _ = (BALL, shape, shapes, single_shapes);
     let _ = |twice: Twice<()>| (twice.c, twice.rust);
 };

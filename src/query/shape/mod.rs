@@ -2,6 +2,7 @@
 //! at a time; nothing is rotated. A half-space, which no k-DOP bounds, and shapes far away are tested along one axis.
 
 mod bounds;
+mod pair;
 mod search;
 
 use super::distance::{Distance, Witness};
@@ -107,12 +108,6 @@ impl Query {
         (completion, stats)
     }
 
-    /// Whether a shape, placed by `pose` in the frame of another, meets it. As
-    /// [`meets`](crate::primitive::shape::meets), with statistics.
-    pub fn collide_shapes(&self, a: &Shape, b: &Shape, pose: &Pose) -> Answer {
-        self.shapes_within(&a.moved(pose), b, 0.0)
-    }
-
     fn shape_within<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
@@ -194,12 +189,37 @@ impl Query {
         shape: &Shape,
         tree: &BvhRef<'_, N, Q>,
         stats: &mut QueryStats,
-    ) -> Option<Result<u32, f64>> {
+    ) -> Option<Result<u32, f64>>
+    where
+        Shapes: PrimitivePair<Q>,
+    {
         // A half-space is inside of nothing that is bounded.
         if !tree.is_solid() || tree.is_empty() || Volume::<N>::is_half_space(shape) {
             return None;
         }
-        self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose()
+        let inside = self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose();
+        inside.or_else(|| tree.has_caps().then(|| self.shape_on_caps(shape, tree, stats)).flatten())
+    }
+
+    /// If a shape meets a cap of a solid, and so is partly inside: a primitive at the border of the hole. An error if the
+    /// budget was spent.
+    #[cold]
+    fn shape_on_caps<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        solid: &BvhRef<'_, N, Q>,
+        stats: &mut QueryStats,
+    ) -> Option<Result<u32, f64>>
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        let caps = solid.caps()?;
+        let (volume, mut found) = (Volume::of(shape, &caps), None);
+        let completion = self.for_each_near_shape(shape, &volume, &caps, 0.0, stats, &mut |cap| {
+            found = Some(Ok(caps.source(cap)));
+            ControlFlow::Break(())
+        });
+        if completion == Completion::OutOfBudget { Some(Err(volume.farthest(shape, solid))) } else { found }
     }
 }
 

@@ -59,6 +59,12 @@ impl Query {
 }
 
 #[inline(always)]
+fn root<N: Lanes, Q: Primitive>(tree: &BvhRef<'_, N, Q>) -> Link {
+    // The root of an empty tree refers to no node.
+    if tree.is_empty() { Link::Empty } else { tree.header().root.link() }
+}
+
+#[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "one call, inlined")]
 fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
     kernel: E,
@@ -77,7 +83,7 @@ where
     volume.aim(&mut aimed, shape, margin);
     // A node, and its children that are still to be visited.
     let mut path = [(0_u32, 0_u16); MAX_DEPTH];
-    let (mut levels, mut next) = (0, tree.header().root.link());
+    let (mut levels, mut next) = (0, root(tree));
     loop {
         match next {
             Link::Empty => {}
@@ -134,7 +140,7 @@ where
     Shapes: PrimitivePair<Q>,
 {
     let mut path = [(0_u32, [f64::INFINITY; 16]); MAX_DEPTH];
-    let (mut levels, mut next) = (0, tree.header().root.link());
+    let (mut levels, mut next) = (0, root(tree));
     let mut best = NearestPrimitive { lower: cutoff, found: None, is_complete: true };
     let mut limit = cutoff;
     loop {
