@@ -5,7 +5,6 @@
 //! distance of the two centres and the greatest distances of points of the cores from them together. Factors 1 + 2^-40
 //! for terms of second order are implied. A `slack` bounds all errors of a length.
 
-use super::blocks::{Zonotope, blocks, half_of};
 use super::certified::Certified;
 use super::goal::{COMFORTABLE, Target};
 use super::support::each;
@@ -15,8 +14,14 @@ use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
+mod blocks;
+mod products;
 #[cfg(test)]
 mod tests;
+mod widest;
+
+use blocks::blocks;
+use products::Zonotope;
 
 /// Bounds of the distance of two shapes as [`super::search::bounds`] gives them, or `None` if they would not be as
 /// tight.
@@ -46,7 +51,7 @@ pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option
             segment_and_cuboid(s, centre, half, &turned()).map(swapped)
         }
         (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) => {
-            blocks(&Zonotope { origin: c, half: g }, &Zonotope { origin: centre, half }, &goal())
+            cuboids(c, g, centre, half, &goal())
         }
         (Core::Point(p), Core::Cylinder { centre, half_axis, radius }) => {
             point_and_cylinder(p, centre, half_axis, *radius, &goal())
@@ -102,7 +107,8 @@ fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Target) -> Option<Ce
 /// A point and a cylinder: both distances, along the axis and from it, are known.
 ///
 /// The vector to the point and `along` times the axis are wrong by 8u S, the vector across by 11u S and its norm by
-/// 14u S. The distance depends on the two excesses by at most their errors, 18u S together; its vector and norm add 9u S.
+/// 14u S. The distance depends on the two excesses by at most their errors, 18u S together. Its vector and norm add
+/// 9u S.
 #[inline(always)]
 fn point_and_cylinder(
     p: &Point,
@@ -172,8 +178,20 @@ fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Tar
     goal.bounds_of_length(p, &between, length, slack)
 }
 
+// Separate functions: the others do without their stack frames.
+
+#[inline(never)]
+fn cuboids(c: &Point, g: &[Point; 3], centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {
+    blocks(&Zonotope { origin: c, half: g }, &Zonotope { origin: centre, half }, goal)
+}
+
 #[inline(never)]
 fn segment_and_cuboid(s: &[Point; 2], centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {
     let g = half_of(s);
     blocks(&Zonotope { origin: &s[0], half: &g }, &Zonotope { origin: centre, half }, goal)
+}
+
+#[inline(always)]
+fn half_of([p, q]: &[Point; 2]) -> [Point; 1] {
+    [each(|k| 0.5 * (q[k] - p[k]))]
 }

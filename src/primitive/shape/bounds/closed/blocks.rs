@@ -1,0 +1,133 @@
+//! Points, segments and cuboids against each other, by their coordinates along half edges.
+
+use super::products::{BlockPlaces, EdgeProducts, Zonotope};
+use super::widest::WidestAxis;
+use crate::exact::power_of_two;
+use crate::primitive::shape::bounds::certified::Certified;
+use crate::primitive::shape::bounds::goal::{COMFORTABLE, Target};
+use crate::primitive::shape::bounds::newton::without;
+use crate::primitive::shape::bounds::support::each;
+use crate::range::Point;
+use crate::vector::{cross, difference, dot};
+
+/// The most rounds of [`blocks`].
+const ROUNDS: usize = 10;
+
+/// How much blocks are shrunk to find a common point.
+const SHRINK: f64 = power_of_two(-7);
+
+/// Two blocks, by their coordinates x and y.
+///
+/// Each round projects A's point to B and B's to A, up to rounding and the angles of the edges. Where both have a free
+/// coordinate, a Newton step then minimises over the free coordinates of B, while A's point follows. Two cuboids start
+/// from the features along the axis with the widest gap: where this gap is their distance, which it is unless a corner
+/// or edge is nearest to an edge or a corner, they are the closest.
+///
+/// **Error.** The half edge of a segment is wrong by u of itself, its centre by as much, and `between` by three more
+/// roundings of parts of S: 5u S. A point adds at most 5 roundings of each product: 9u S, since the half edges together
+/// are at most sqrt(3) times as long as a diagonal. With 3u for the norm that makes 17u S for an upper bound. For a
+/// lower one, seven products with a vector d are wrong by 3u and summed by six additions: 9u sqrt(3) S. The quotient by
+/// |d| is wrong by 3u: 6u S. These and the 5u S of `between` are less than 27u S.
+///
+/// S is at most the root of three times the sum of the squares of its parts.
+#[inline(always)]
+pub(super) fn blocks<const N: usize, const M: usize>(
+    a: &Zonotope<'_, N>,
+    b: &Zonotope<'_, M>,
+    goal: &Target,
+) -> Option<Certified> {
+    const SLACK: f64 = 32.0 * 0.5 * f64::EPSILON;
+    let products = EdgeProducts::new(a, b);
+    let total = products.total();
+    if !COMFORTABLE.contains(&total) {
+        return None;
+    }
+    let slack = SLACK * libm::sqrt(3.0 * total);
+    let (t, origins) = (products.between, difference(a.origin, b.origin));
+    let axis = if N == 3 && M == 3 { Some(products.widest()) } else { None };
+    // Points that are not near the boundary show that cores meet.
+    let mut most = if let Some(WidestAxis::None) = axis { 1.0 - SHRINK } else { 1.0 };
+    let mut is_apart = false;
+    let mut places = axis.map_or_else(|| products.near_centre(), |axis| products.on_axis(a, b, &axis));
+    for round in 0..ROUNDS {
+        if axis.is_none() || round > 0 {
+            products.project(&mut places, most);
+            if N > 0 && round == 0 {
+                products.project(&mut places, most);
+            }
+            products.step(&mut places, most);
+        }
+        let (of_a, of_b) = (a.point(&places.x), b.point(&places.y));
+        let between: Point = each(|k| origins[k] + (of_a[k] - of_b[k]));
+        let at: Point = each(|k| a.origin[k] + of_a[k]);
+        let square = dot(&between, &between);
+        let length = libm::sqrt(square);
+        let upper = length + slack;
+        if upper <= goal.less {
+            return Some(goal.bounds(0.0, upper, &at, &between, length));
+        }
+        let gap = |d: &Point, length: f64| (dot(d, &t) - (a.reach(d) + b.reach(d))) / length - slack;
+        let lower = if square > f64::MIN_POSITIVE { gap(&between, length) } else { 0.0 };
+        if lower <= 0.0 {
+            if b.has_ball(&places.y, &products.squares_b, upper) {
+                return Some(goal.bounds(0.0, 0.0, &at, &[0.0; 3], 0.0));
+            }
+            if a.has_ball(&places.x, &products.squares_a, upper) {
+                let at = difference(&at, &between);
+                return Some(goal.bounds(0.0, 0.0, &at, &[0.0; 3], 0.0));
+            }
+            if round > 0 && !is_apart {
+                most = 1.0 - SHRINK;
+            }
+            continue;
+        }
+        (is_apart, most) = (true, 1.0);
+        if goal.is_met(lower, upper, slack) {
+            return Some(goal.bounds(lower, upper, &at, &between, length));
+        }
+        // Of points that are near, their difference does not tell which ways are barred.
+        if upper - lower < 1e-3 * upper {
+            let d = perpendicular(a, b, &places, &between);
+            let square = dot(&d, &d);
+            if square > f64::MIN_POSITIVE {
+                let lower = gap(&d, libm::sqrt(square));
+                if goal.is_met(lower, upper, slack) {
+                    return Some(goal.bounds(lower, upper, &at, &between, length));
+                }
+            }
+        }
+        if N == 0 {
+            return None;
+        }
+    }
+    None
+}
+
+/// A vector along d that is perpendicular to edges of which the points are not ends: the cross product of two of them,
+/// or d without its part along the only one.
+#[inline(always)]
+fn perpendicular<const N: usize, const M: usize>(
+    a: &Zonotope<'_, N>,
+    b: &Zonotope<'_, M>,
+    places: &BlockPlaces<N, M>,
+    d: &Point,
+) -> Point {
+    let (mut edges, mut len) = ([[0.0; 3]; 6], 0);
+    let all = places.x.iter().zip(a.half).chain(places.y.iter().zip(b.half));
+    let free = all.filter(|(x, _)| x.abs() < 1.0);
+    for (_, edge) in free {
+        edges[len] = *edge;
+        len += 1;
+    }
+    for i in 1..len {
+        for j in 0..i {
+            let (u, v) = (&edges[i], &edges[j]);
+            let normal = cross(u, v);
+            if dot(&normal, &normal) > 1e-10 * (dot(u, u) * dot(v, v)) {
+                let sign = 1.0_f64.copysign(dot(&normal, d));
+                return each(|k| sign * normal[k]);
+            }
+        }
+    }
+    if len > 0 { without(d, &edges[0]) } else { *d }
+}
