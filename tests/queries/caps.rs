@@ -169,7 +169,7 @@ fn is_closed(triangles: &[Triangle]) -> bool {
     let mut edges = BTreeMap::<_, i32>::new();
     for t in triangles {
         for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (key(&t[i]), key(&t[j]))) {
-            *edges.entry([p.min(q), p.max(q)]).or_default() += (p < q) as i32 - (q < p) as i32;
+            *edges.entry([p.min(q), p.max(q)]).or_default() += i32::from(p < q) - i32::from(q < p);
         }
     }
     edges.values().all(|sum| *sum == 0)
