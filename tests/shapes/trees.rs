@@ -276,7 +276,7 @@ fn solids_hold_shapes_and_shapes_hold_solids() {
 fn an_empty_tree_is_free_of_every_shape() {
     let (empty, mut rng) = (set::<Node16<18>>(&[]), Rng::new(3));
     let shapes = [shape(&mut rng), half_space(&mut rng)];
-    for (isa, shape) in Isa::available().into_iter().flat_map(|isa| shapes.map(|shape| (isa, shape))) {
+    for (isa, shape) in Isa::available().flat_map(|isa| shapes.map(|shape| (isa, shape))) {
         let query = Query::new(isa);
         assert!(query.collide_shape(&shape, &empty, &Pose::IDENTITY).is_free());
         assert!(query.within_shape(&shape, &empty, &Pose::IDENTITY, 1e9).unwrap().is_free());
