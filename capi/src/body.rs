@@ -308,8 +308,8 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
 }
 
 /// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
-/// has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
-/// that its motions are unresolved.
+/// has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points, so
+/// that a motion which rotates it is never free.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_build_shape(
     shape: Option<&simdop_shape>,
