@@ -227,8 +227,8 @@ fn a_shape_is_one_allocation_and_its_queries_are_none() {
     }
 }
 
-/// A ball that slides over the ground is free, and one that falls through it is not. The ground itself cannot be rotated
-/// freely.
+/// A ball that slides over the ground is free, and one that falls through it is not. The ground itself cannot be
+/// rotated freely.
 #[test]
 fn a_ball_moves_over_the_ground() {
     let ground =
