@@ -165,11 +165,11 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_OTHER_STORAGE = 32,
   /**
-   * A vertex is NaN, infinite, or beyond 2^300.
+   * A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,
   /**
-   * A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300.
+   * A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300, or a round shape does.
    */
   SIMDOP_ERROR_BUILD_RADIUS = 41,
   /**
@@ -435,9 +435,9 @@ typedef struct {
 /**
  * A convex shape at a pose, widened by a radius: all points at most `radius` from it.
  *
- * Verdicts are exact, with two exceptions: a cylinder or cone against another one or a capsule; and a cylinder or cone
- * where it or the other shape has a `radius` above 0. These are never falsely free, and shapes that are farther apart
- * than 2^-40 of their size are no hit.
+ * Verdicts are exact, except for a cylinder or cone against another of these; and against a capsule, cuboid or triangle
+ * where a radius, of the capsule or around one of the two, or a margin is above 0. These are never falsely free, and a
+ * hit may be 2^-40 of the size of the two apart.
  */
 typedef struct {
   /**

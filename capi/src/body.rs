@@ -190,8 +190,8 @@ impl simdop_body {
 
 const FIXED: c_int = simdop_storage::Fixed as c_int;
 
-/// Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so that
-/// traversal is memory safe, in time linear in their number.
+/// Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so
+/// that traversal is memory safe, in time linear in their number.
 ///
 /// # Safety
 /// `bytes` points to `count` bytes, aligned to 64, which stay unchanged until the body is destroyed.
@@ -379,9 +379,9 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
     })
 }
 
-/// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
-/// has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
-/// that its motions are unresolved.
+/// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive
+/// it has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points,
+/// so that a motion which rotates it is never free.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_build_shape(
     shape: Option<&simdop_shape>,

@@ -248,8 +248,9 @@ macro_rules! with_bodies {
     };
 }
 
-/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
-/// simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
+/// shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies have the same storage,
+/// unless one of them is one shape.
 ///
 /// If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
 /// about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the

@@ -25,9 +25,9 @@ pub enum simdop_shape_kind {
 
 /// A convex shape at a pose, widened by a radius: all points at most `radius` from it.
 ///
-/// Verdicts are exact, except for a cylinder or cone against another of these; and against a capsule, cuboid or triangle
-/// where a radius, of the capsule or around one of the two, or a margin is above 0. These are never falsely free, and a
-/// hit may be 2^-40 of the size of the two apart.
+/// Verdicts are exact, with two exceptions: a cylinder or cone against a cylinder or cone; and a cylinder or cone
+/// against a capsule, cuboid or triangle if a radius, of the capsule or around either shape, or the margin is above 0.
+/// There, free is certain, and the shapes of a hit may be apart by up to 2^-40 of their size.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_shape {

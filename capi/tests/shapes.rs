@@ -173,7 +173,7 @@ fn compare_reversed<S: Storage, A: AsBvh<Node = Node16<18, S>>>(
 
 fn shapes_and_trees<S: Storage>() {
     let (mut rng, mut verdicts) = (Rng::new(32), [0; 3]);
-    for _ in 0..6 {
+    for _ in 0..12 {
         let shapes = single_shapes(&mut rng);
         compare::<S, _>(&shapes, &meshes_of::<S>(&mut rng), &mut rng, &mut verdicts);
         compare::<S, _>(&shapes, &sphere_sets_of::<S>(&mut rng), &mut rng, &mut verdicts);
@@ -225,4 +225,33 @@ fn a_shape_is_one_allocation_and_its_queries_are_none() {
             });
         }
     }
+}
+
+/// A ball that slides over the ground is free, and one that falls through it is not. The ground itself cannot be
+/// rotated freely.
+#[test]
+fn a_ball_moves_over_the_ground() {
+    let ground =
+        simdop_shape { kind: simdop_shape_kind::HalfSpace as u32, numbers: [0.0, 0.0, 1.0, -1.001], ..BALL };
+    let [ball, ground]: [&'static simdop_body; 2] = [BALL, ground].map(|it| &*Box::leak(shape(&it).unwrap()));
+    let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+    let start = support::IDENTITY;
+    let mut insert = |body| {
+        let role = simdop_role_default();
+        answer(|id| simdop_scene_insert(Some(&mut scene), Some(body), Some(&role), Some(&start), id)).unwrap()
+    };
+    let (ball, ground) = (insert(ball), insert(ground));
+    let mut verdict = |id, to: &simdop_pose| {
+        let (from, to, budget) = (Some(&start), Some(to), SIMDOP_NO_BUDGET);
+        answer(|it| simdop_scene_check_screw(Some(&mut scene), id, from, to, 1e-6, budget, it))
+            .unwrap()
+            .verdict
+    };
+    let mut to = start;
+    to.rows[0][3] = 1e6;
+    assert_eq!(verdict(ball, &to), simdop_motion_verdict::Free);
+    to.rows[2][3] = -1e6;
+    assert_eq!(verdict(ball, &to), simdop_motion_verdict::Hit);
+    let about_z = [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    assert_eq!(verdict(ground, &simdop_pose { rows: about_z }), simdop_motion_verdict::Unresolved);
 }

@@ -31,8 +31,8 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct simdop_scene {
     scene: AnyScene,
-    /// Whether it was chosen, or a body was ever inserted: then the storage is that of the scene, since ids outlive their
-    /// bodies.
+    /// Whether it was chosen, or a body was ever inserted: then the storage is that of the scene, since ids outlive
+    /// their bodies.
     has_storage: bool,
     room: EdgeRoom,
 }

@@ -5,8 +5,8 @@ use crate::primitive::Shape;
 use crate::query::{Answer, Distance, Query, ToleranceError, checked};
 
 impl Query {
-    /// Whether two shapes meet, the first placed by `pose` in the frame of the second. Touching counts. The indices of a
-    /// hit are 0.
+    /// Whether two shapes meet, the first placed by `pose` in the frame of the second. Touching counts. The indices of
+    /// a hit are 0.
     ///
     /// ```
     /// use simdop::{Isa, Pose, Query, primitive::Shape};
