@@ -21,8 +21,10 @@ pub(super) mod tests;
 /// 30.
 const STEPS: usize = 64;
 
-/// How much cores are shrunk to find a common point, after this many of Newton's steps, and the most projections.
+/// How much cores are shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-8);
+
+/// The most steps to find one.
 const COMMON_STEPS: usize = 16;
 
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
@@ -211,6 +213,9 @@ impl<'p> DistanceSearch<'p> {
         let inner = [pair.a.form.inner(), pair.b.form.inner()];
         let is_in_b = inner[1] >= inner[0];
         let room = SHRINK * if is_in_b { inner[1] } else { inner[0] } - pair.slack;
+        if room <= 0.0 {
+            return false;
+        }
         let mut simplex = Simplex::new();
         let mut direction = *from;
         for _ in 0..COMMON_STEPS {
