@@ -2,7 +2,8 @@
 
 use crate::pose::Pose;
 use crate::primitive::Shape;
-use crate::query::{Answer, Distance, Query, ToleranceError, checked};
+use crate::query::distance::Distance;
+use crate::query::entry::{Answer, Query, ToleranceError, checked};
 
 impl Query {
     /// Whether two shapes meet, the first placed by `pose` in the frame of the second. Touching counts. The indices of
