@@ -342,10 +342,14 @@ impl<'t, N: Lanes> Scene<'t, N> {
     ) -> Result<Answer, ToleranceError> {
         let mut answer = self.ask_within(query, candidate, margin)?;
         let slots @ [a, b] = self.slots_of(candidate);
+        let caps = slots.map(|slot| slot.body.and_then(|body| body.tree.caps()));
+        if caps.iter().all(Option::is_none) {
+            return Ok(answer);
+        }
         let mut asked = AskedPair::new(slots, [&a.world, &b.world]);
         let (a, b) = asked.trees;
-        let (caps_a, caps_b) = (a.caps(), b.caps());
-        let pairs = [caps_a.as_ref().map(|caps| (caps, b)), caps_b.as_ref().map(|caps| (a, caps))];
+        let [of_a, of_b] = &caps;
+        let pairs = [of_a.as_ref().map(|caps| (caps, b)), of_b.as_ref().map(|caps| (a, caps))];
         for trees in pairs.into_iter().flatten() {
             if answer.is_free() {
                 asked.trees = trees;
