@@ -2,10 +2,10 @@
  * simdop: exact collision and distance queries between bodies of triangles, spheres or convex shapes.
  *
  * Bodies. A body is opened from the bytes of a baked tree, or built. Its tree has k = 18 and arity 16, the default of
- * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape has
- * no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose that
- * places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs that
- * their roles select.
+ * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape
+ * has no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose
+ * that places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs
+ * that their roles select.
  *
  * A motion query decides whether moving bodies meet at any time from 0 to 1, not only at samples of the time. A robot
  * moves bodies by joints.
@@ -165,6 +165,10 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_OTHER_STORAGE = 32,
   /**
+   * The tree of the caps in the bytes is invalid.
+   */
+  SIMDOP_ERROR_BYTES_CAPS = 33,
+  /**
    * A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,
@@ -188,6 +192,14 @@ typedef enum {
    * A storage is not one of simdop_storage.
    */
   SIMDOP_ERROR_BUILD_NO_SUCH_STORAGE = 45,
+  /**
+   * A mesh to be built as a solid with caps has a hole that is wider than the limit.
+   */
+  SIMDOP_ERROR_BUILD_HOLE = 46,
+  /**
+   * The holes of a mesh would take more than 16,384 triangles to cap.
+   */
+  SIMDOP_ERROR_BUILD_TOO_MANY_CAPS = 47,
   /**
    * A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
    */
@@ -421,6 +433,24 @@ typedef struct simdop_robot simdop_robot;
 typedef struct simdop_scene simdop_scene;
 
 /**
+ * The holes of a body that are capped.
+ */
+typedef struct {
+  /**
+   * Number of holes.
+   */
+  size_t holes;
+  /**
+   * Number of triangles in their caps.
+   */
+  size_t triangles;
+  /**
+   * The width of the widest, rounded up.
+   */
+  double width;
+} simdop_caps;
+
+/**
  * A rigid motion x -> R x + t: the three rows of [R|t]. Fill it in, or use simdop_pose_from_quaternion(). Every
  * function that takes one checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
  * 1.5e-5, and R must not be a reflection.
@@ -435,9 +465,9 @@ typedef struct {
 /**
  * A convex shape at a pose, widened by a radius: all points at most `radius` from it.
  *
- * Verdicts are exact, except for a cylinder or cone against another of these; and against a capsule, cuboid or triangle
- * where a radius, of the capsule or around one of the two, or a margin is above 0. These are never falsely free, and a
- * hit may be 2^-40 of the size of the two apart.
+ * Verdicts are exact, with two exceptions: a cylinder or cone against a cylinder or cone; and a cylinder or cone
+ * against a capsule, cuboid or triangle if a radius, of the capsule or around either shape, or the margin is above 0.
+ * There, free is certain, and the shapes of a hit may be apart by up to 2^-40 of their size.
  */
 typedef struct {
   /**
@@ -836,8 +866,8 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so that
- * traversal is memory safe, in time linear in their number.
+ * Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so
+ * that traversal is memory safe, in time linear in their number.
  *
  * # Safety
  * `bytes` points to `count` bytes, aligned to 64, which stay unchanged until the body is destroyed.
@@ -889,6 +919,28 @@ simdop_error simdop_body_build_triangles_as(const double *vertices,
                                             simdop_body **body);
 
 /**
+ * Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
+ * not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners
+ * of its border. Caps count for what is inside, and for nothing else: no distance is measured from a cap, and no pair
+ * names one. A body that meets a cap is partly inside, and a hit. simdop_body_caps() reports what was capped.
+ *
+ * # Safety
+ * The arrays have the stated lengths.
+ */
+simdop_error simdop_body_build_solid_with_caps(const double *vertices,
+                                               size_t vertex_count,
+                                               const uint32_t *triangles,
+                                               size_t triangle_count,
+                                               double width,
+                                               int storage,
+                                               simdop_body **body);
+
+/**
+ * Writes what is capped of a body; zeros for a body without caps.
+ */
+simdop_error simdop_body_caps(const simdop_body *body, simdop_caps *caps);
+
+/**
  * Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.
  *
  * # Safety
@@ -908,9 +960,9 @@ simdop_error simdop_body_build_spheres_as(const double *spheres,
                                           simdop_body **body);
 
 /**
- * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
- * has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
- * that its motions are unresolved.
+ * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive
+ * it has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points,
+ * so that a motion which rotates it is never free.
  */
 simdop_error simdop_body_build_shape(const simdop_shape *shape,
                                      simdop_body **body);
@@ -971,8 +1023,9 @@ const char *simdop_last_error(void);
 simdop_error simdop_pose_from_quaternion(const double *xyzw, const double *translation, simdop_pose *pose);
 
 /**
- * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
- * simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+ * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
+ * shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies have the same storage,
+ * unless one of them is one shape.
  *
  * If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
  * about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
