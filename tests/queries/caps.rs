@@ -1086,7 +1086,11 @@ fn damaged_caps_are_refused() {
     let swapped = changed(&|b| (0..4).for_each(|i| b.swap(records + i, records + 4 + i)));
     assert_eq!((swapped.node, swapped.lane, swapped.plane), (nodes, 0, k + 4));
     assert!((swapped.primitive as usize) < mesh.triangles.len());
-    let lower = changed(&|b| b[inner(128)] = b[inner(128)].wrapping_sub(9));
+    let lower = changed(&|b| {
+        let code = &mut b[inner(128)..][..2];
+        let lower = i16::from_le_bytes([code[0], code[1]]) - 9;
+        code.copy_from_slice(&lower.to_le_bytes());
+    });
     assert!(lower.node >= nodes && lower.plane < k, "{lower:?}");
 }
 
