@@ -60,12 +60,18 @@ struct Widened {
     radius: f64,
 }
 
+/// A triangle without area.
+fn segment(long: f64) -> OwnedMesh {
+    let ends = [-0.5, 0.5].map(|share| [0.0, 0.0, share * long]);
+    OwnedMesh { vertices: ends.to_vec(), triangles: vec![[0, 1, 1]] }
+}
+
 fn mesh(solid: &Solid, diagonal: f64) -> Widened {
     let [x, y, _] = solid.size;
     let none = 0.0;
     let (mut mesh, radius) = match solid.kind {
-        Kind::Sphere => (OwnedMesh::point(), x),
-        Kind::Capsule => (OwnedMesh::segment(y).expect("a length"), x),
+        Kind::Sphere => (OwnedMesh { vertices: vec![[0.0; 3]], triangles: vec![[0; 3]] }, x),
+        Kind::Capsule => (segment(y), x),
         Kind::Cuboid => (OwnedMesh::cuboid(solid.size).expect("lengths"), none),
         Kind::Cylinder => (OwnedMesh::cylinder(x, y, ERROR * x).expect("lengths"), none),
         Kind::Cone => (OwnedMesh::cone(x, y, ERROR * x).expect("lengths"), none),
