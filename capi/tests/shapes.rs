@@ -232,7 +232,7 @@ fn a_shape_is_one_allocation_and_its_queries_are_none() {
 #[test]
 fn a_ball_moves_over_the_ground() {
     let ground =
-        simdop_shape { kind: simdop_shape_kind::HalfSpace as u32, numbers: [0.0, 0.0, 1.0, -1.001], ..BALL };
+        simdop_shape { kind: simdop_shape_kind::HalfSpace as u32, numbers: [0.0, 0.0, 1.0, -1.01], ..BALL };
     let [ball, ground]: [&'static simdop_body; 2] = [BALL, ground].map(|it| &*Box::leak(shape(&it).unwrap()));
     let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
     let start = support::IDENTITY;
@@ -248,7 +248,7 @@ fn a_ball_moves_over_the_ground() {
             .verdict
     };
     let mut to = start;
-    to.rows[0][3] = 1e6;
+    to.rows[0][3] = 1.0;
     assert_eq!(verdict(ball, &to), simdop_motion_verdict::Free);
     to.rows[2][3] = -1e6;
     assert_eq!(verdict(ball, &to), simdop_motion_verdict::Hit);
