@@ -2,10 +2,10 @@
  * simdop: exact collision and distance queries between bodies of triangles, spheres or convex shapes.
  *
  * Bodies. A body is opened from the bytes of a baked tree, or built. Its tree has k = 18 and arity 16, the default of
- * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape has
- * no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose that
- * places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs that
- * their roles select.
+ * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape
+ * has no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose
+ * that places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs
+ * that their roles select.
  *
  * A motion query decides whether moving bodies meet at any time from 0 to 1, not only at samples of the time. A robot
  * moves bodies by joints.
@@ -435,9 +435,9 @@ typedef struct {
 /**
  * A convex shape at a pose, widened by a radius: all points at most `radius` from it.
  *
- * Verdicts are exact, except for a cylinder or cone against another of these; and against a capsule, cuboid or triangle
- * where a radius, of the capsule or around one of the two, or a margin is above 0. These are never falsely free, and a
- * hit may be 2^-40 of the size of the two apart.
+ * Verdicts are exact, with two exceptions: a cylinder or cone against a cylinder or cone; and a cylinder or cone
+ * against a capsule, cuboid or triangle if a radius, of the capsule or around either shape, or the margin is above 0.
+ * There, free is certain, and the shapes of a hit may be apart by up to 2^-40 of their size.
  */
 typedef struct {
   /**
@@ -836,8 +836,8 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so that
- * traversal is memory safe, in time linear in their number.
+ * Opens a body of triangles, spheres or shapes in place from the bytes of a baked tree. First validates the bytes, so
+ * that traversal is memory safe, in time linear in their number.
  *
  * # Safety
  * `bytes` points to `count` bytes, aligned to 64, which stay unchanged until the body is destroyed.
@@ -908,9 +908,9 @@ simdop_error simdop_body_build_spheres_as(const double *spheres,
                                           simdop_body **body);
 
 /**
- * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
- * has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
- * that its motions are unresolved.
+ * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive
+ * it has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points,
+ * so that a motion which rotates it is never free.
  */
 simdop_error simdop_body_build_shape(const simdop_shape *shape,
                                      simdop_body **body);
@@ -971,8 +971,9 @@ const char *simdop_last_error(void);
 simdop_error simdop_pose_from_quaternion(const double *xyzw, const double *translation, simdop_pose *pose);
 
 /**
- * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
- * simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+ * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
+ * shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies have the same storage,
+ * unless one of them is one shape.
  *
  * If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
  * about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
