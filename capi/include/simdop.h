@@ -205,7 +205,7 @@ typedef enum {
    */
   SIMDOP_ERROR_SHAPE_LENGTH = 50,
   /**
-   * A coordinate of a shape is NaN, infinite, or beyond 2^300.
+   * A coordinate of a shape is NaN, infinite, beyond 2^300, or below 2^-250 but not 0.
    */
   SIMDOP_ERROR_SHAPE_COORDINATE = 51,
   /**
@@ -475,7 +475,8 @@ typedef struct {
    */
   uint32_t kind;
   /**
-   * The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300.
+   * The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. Those of
+   * a half-space are 0, or have such a magnitude.
    */
   double numbers[4];
   /**

@@ -33,7 +33,8 @@ pub enum simdop_shape_kind {
 pub struct simdop_shape {
     /// One of simdop_shape_kind.
     pub kind: u32,
-    /// The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300.
+    /// The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. Those of
+    /// a half-space are 0, or have such a magnitude.
     pub numbers: [f64; 4],
     /// The radius around the shape: 0, or a length.
     pub radius: f64,

@@ -84,7 +84,7 @@ pub enum simdop_error {
 
     /// A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
     ShapeLength = 50,
-    /// A coordinate of a shape is NaN, infinite, or beyond 2^300.
+    /// A coordinate of a shape is NaN, infinite, beyond 2^300, or below 2^-250 but not 0.
     ShapeCoordinate = 51,
     /// The normal of a half-space is zero.
     ShapeNoDirection = 52,
