@@ -134,7 +134,7 @@ impl Supported for Segment {
 #[derive(Debug)]
 pub(super) struct Triangle {
     at: Point,
-    edges: [Point; 2],
+    pub(super) edges: [Point; 2],
 }
 
 impl Triangle {

@@ -55,7 +55,13 @@ fn triangle(t: &[Point; 3], other: &Core, reach: f64) -> Option<bool> {
             search::decide(&Triangle::new(t, ORIGIN), &segment, reach)
         }
         Core::Cuboid { centre, half } => {
-            search::decide(&Cuboid::new(half, ORIGIN)?, &Triangle::new(t, difference(&t[0], centre)), reach)
+            let (d, a) = (difference(&t[0], centre), Cuboid::new(half, ORIGIN)?);
+            let b = Triangle::new(t, d);
+            search::decide_with(&a, &b, reach, |size| {
+                // At a reach, a gap of 0 does not separate.
+                axes::meets_triangle(half, &d, &b.edges, size / a.inner())
+                    .filter(|meet| *meet || reach == 0.0)
+            })
         }
         Core::Cylinder { centre, half_axis, radius } => {
             let triangle = Triangle::new(t, difference(&t[0], centre));

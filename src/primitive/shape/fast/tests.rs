@@ -104,8 +104,11 @@ impl Polytope {
                 let [a, b, c] = [0, 1, 2].map(|i| p.vertices[i].clone());
                 let (g, h, k) = (minus(&b, &a), minus(&c, &a), minus(&c, &b));
                 p.edges = vec![(a.clone(), g.clone()), (a.clone(), h.clone()), (b, k.clone())];
-                p.normals = vec![outer(&g, &h)];
-                p.faces = vec![(a, g.clone(), h.clone())];
+                let normal = outer(&g, &h);
+                if inner(&normal, &normal) > IBig::ZERO {
+                    p.normals = vec![normal];
+                    p.faces = vec![(a, g.clone(), h.clone())];
+                }
                 p.directions = vec![g, h, k];
                 p.is_triangle = true;
             }
