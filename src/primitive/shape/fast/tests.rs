@@ -106,7 +106,9 @@ impl Polytope {
                 p.edges = vec![(a.clone(), g.clone()), (a.clone(), h.clone()), (b, k.clone())];
                 let normal = outer(&g, &h);
                 if inner(&normal, &normal) > IBig::ZERO {
-                    p.normals = vec![normal];
+                    // Those of the edges, for what is in the plane.
+                    p.normals = [&g, &h, &k].map(|edge| outer(&normal, edge)).into();
+                    p.normals.push(normal);
                     p.faces = vec![(a, g.clone(), h.clone())];
                 }
                 p.directions = vec![g, h, k];
