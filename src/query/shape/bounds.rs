@@ -1,14 +1,18 @@
 //! The volume of a shape in the frame of a tree, and lower bounds of its distance from a node's children.
+//!
+//! The k-DOP of a large or flat cuboid that is rotated against the tree contains much beside the cuboid. So cuboids,
+//! cylinders and cones also have slabs along their own directions ([`crate::realign::primitive_slabs`]).
 
 use crate::exact::power_of_two;
-use crate::frame::{BodyBounds, Frame};
+use crate::frame::BodyBounds;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::Child;
 use crate::primitive::shape::{Core, hull_of};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::lanes::{Along, Lanes, used_lanes};
+use crate::query::lanes::{Along, Lanes, PrimitiveGaps, used_lanes};
 use crate::range::Point;
+use crate::realign::PrimitiveSlabs;
 use crate::vector::{difference, dot, length};
 
 /// A shape that is farther from the centre of a tree than this many of the tree's radii is bounded along one axis.
@@ -20,12 +24,12 @@ const ROUNDING: f64 = power_of_two(-45);
 
 /// What bounds a shape.
 #[derive(Debug)]
-pub(super) enum Volume<N: Lanes> {
-    /// Its k-DOP.
+pub(super) enum Volume {
+    /// Its k-DOP in the frame of a tree.
     Dop {
-        /// As `f32`, for distances.
-        planes: N::Planes,
-        frame: Frame,
+        body: BodyBounds,
+        /// Bounds the coordinates of both.
+        reach: f64,
     },
     /// The half-space of all points whose product with the axis is at most `end`, relative to the centre of the tree.
     HalfSpace {
@@ -37,12 +41,24 @@ pub(super) enum Volume<N: Lanes> {
     },
 }
 
-impl<N: Lanes> Volume<N> {
+/// Of a shape whose volume is a k-DOP.
+#[derive(Debug)]
+pub(super) struct Gaps<N: Lanes> {
+    planes: N::Planes,
+    /// Along the shape's own directions.
+    own: Option<PrimitiveGaps>,
+}
+
+const fn has_directions(shape: &Shape) -> bool {
+    matches!(shape.core(), Core::Cuboid { .. } | Core::Cylinder { .. } | Core::Cone { .. })
+}
+
+impl Volume {
     pub(super) const fn is_half_space(shape: &Shape) -> bool {
         matches!(shape.core(), Core::HalfSpace { .. })
     }
 
-    pub(super) fn of<Q: Primitive>(shape: &Shape, tree: &BvhRef<'_, N, Q>) -> Self {
+    pub(super) fn of<N: Lanes, Q: Primitive>(shape: &Shape, tree: &BvhRef<'_, N, Q>) -> Self {
         let bounds = tree.extent();
         let centre = bounds.frame.centre;
         if let Core::HalfSpace { normal, offset } = *shape.core() {
@@ -50,7 +66,7 @@ impl<N: Lanes> Volume<N> {
             let axis = normal.map(|x| x / long);
             let size = offset.abs() + shape.radius() + bounds.max_coordinate;
             let end = (offset / long + shape.radius()) - dot(&axis, &centre);
-            return Self::half_space(&axis, end + ROUNDING * size, &bounds);
+            return Self::half_space::<N>(&axis, end + ROUNDING * size, &bounds);
         }
         let (corners, radius) = hull_of(shape);
         let first = Shapes::point(shape);
@@ -64,34 +80,61 @@ impl<N: Lanes> Volume<N> {
         if distance > FAR * bounds.radius + reach || reach > LARGE * bounds.radius {
             if distance <= reach {
                 // The tree is a point beside the shape, which may be all around it.
-                return Self::half_space(&[1.0, 0.0, 0.0], f64::INFINITY, &bounds);
+                return Self::half_space::<N>(&[1.0, 0.0, 0.0], f64::INFINITY, &bounds);
             }
             let axis = away.map(|x| x / distance);
             let support =
                 corners.map(|p| dot(&axis, &difference(&p, &centre))).fold(f64::NEG_INFINITY, f64::max);
             let end = (support + radius) + ROUNDING * (size + bounds.max_coordinate);
-            return Self::half_space(&axis, end, &bounds);
+            return Self::half_space::<N>(&axis, end, &bounds);
         }
-        let planes = N::planes_of::<Shapes>(&bounds.frame, &[*shape], size + bounds.max_coordinate);
-        Self::Dop { planes, frame: bounds.frame }
+        Self::Dop { body: bounds, reach: size + bounds.max_coordinate }
     }
 
-    fn half_space(axis: &Point, end: f64, bounds: &BodyBounds) -> Self {
+    fn half_space<N: Lanes>(axis: &Point, end: f64, bounds: &BodyBounds) -> Self {
         let opposite = N::along(axis.map(|x| -x), bounds, bounds.frame.exponent);
         Self::HalfSpace { opposite, end, scale: bounds.frame.scale() }
     }
 
     /// The planes of everything within a margin of the shape, for the kernels. Not used by half-spaces.
     #[inline(always)]
-    pub(super) fn aim(&self, aimed: &mut N::Aimed, shape: &Shape, margin: f64) {
-        if let Self::Dop { frame, .. } = self {
-            N::aim::<Shapes>(aimed, frame, core::iter::once(*shape), margin);
+    pub(super) fn aim<N: Lanes>(&self, aimed: &mut N::Aimed, shape: &Shape, margin: f64) {
+        if let Self::Dop { body, .. } = self {
+            N::aim::<Shapes>(aimed, &body.frame, core::iter::once(*shape), margin);
         }
+    }
+
+    /// The slabs of everything within a margin of the shape along its own directions, if it has any.
+    #[inline(always)]
+    pub(super) fn slabs<N: Lanes>(&self, shape: &Shape, margin: f64) -> Option<PrimitiveSlabs> {
+        match self {
+            Self::Dop { body, .. } if has_directions(shape) => {
+                Some(N::primitive_slabs::<Shapes>(shape, margin, body, None))
+            }
+            _ => None,
+        }
+    }
+
+    /// What [`Self::distances`] needs of the shape.
+    #[inline(always)]
+    pub(super) fn gaps<N: Lanes>(&self, shape: &Shape) -> Gaps<N> {
+        let Self::Dop { body, reach } = self else { return Gaps { planes: N::NO_PLANES, own: None } };
+        let own = match self.slabs::<N>(shape, 0.0) {
+            Some(slabs) => Some(PrimitiveGaps::new::<Shapes>(shape, slabs, 1.0)),
+            None => None,
+        };
+        Gaps { planes: N::planes_of::<Shapes>(&body.frame, &[*shape], *reach), own }
     }
 
     /// The children that may be within the margin for which the volume was aimed.
     #[inline(always)]
-    pub(super) fn near<E: Kernel>(&self, kernel: E, node: &N, aimed: &N::Aimed, margin: f64) -> u16 {
+    pub(super) fn near<N: Lanes, E: Kernel>(
+        &self,
+        kernel: E,
+        node: &N,
+        aimed: &N::Aimed,
+        margin: f64,
+    ) -> u16 {
         match self {
             Self::Dop { .. } => node.overlap_aimed(kernel, aimed),
             Self::HalfSpace { .. } => {
@@ -108,15 +151,19 @@ impl<N: Lanes> Volume<N> {
 
     /// Lower bounds of the distances of the children; infinite for unused lanes.
     #[inline(always)]
-    pub(super) fn distances(&self, node: &N) -> [f64; 16] {
+    pub(super) fn distances<N: Lanes>(&self, gaps: &Gaps<N>, node: &N) -> [f64; 16] {
         let mut distances = [f64::INFINITY; 16];
         match self {
-            Self::Dop { planes, frame } => {
-                for entry in node.gaps_of_planes(planes, 1.0) {
+            Self::Dop { body, .. } => {
+                let mut entries = node.gaps_of_planes(&gaps.planes, 1.0);
+                if let Some(own) = &gaps.own {
+                    node.raise(&mut entries, own);
+                }
+                for entry in entries {
                     if entry != crate::query::lanes::Entry::NONE {
                         let square = f64::from(entry.bound());
                         distances[entry.lane()] =
-                            if square > 0.0 { libm::sqrt(square) / frame.scale() } else { 0.0 };
+                            if square > 0.0 { libm::sqrt(square) / body.frame.scale() } else { 0.0 };
                     }
                 }
             }
@@ -132,7 +179,7 @@ impl<N: Lanes> Volume<N> {
     }
 
     /// Lower bound of the distance of child `lane` from a half-space.
-    fn distance_of(&self, node: &N, lane: usize, least: f64) -> f64 {
+    fn distance_of<N: Lanes>(&self, node: &N, lane: usize, least: f64) -> f64 {
         let Self::HalfSpace { opposite, end, scale } = self else { return least };
         let nearest = -f64::from(node.reach_along(opposite, lane)) / scale;
         // The sum of two numbers of any size: its rounding is relative to them.
@@ -142,7 +189,7 @@ impl<N: Lanes> Volume<N> {
 
     /// An upper bound of the distance of the shape from some primitive.
     #[cold]
-    pub(super) fn farthest<Q: Primitive>(&self, shape: &Shape, tree: &BvhRef<'_, N, Q>) -> f64 {
+    pub(super) fn farthest<N: Lanes, Q: Primitive>(&self, shape: &Shape, tree: &BvhRef<'_, N, Q>) -> f64 {
         if Self::is_half_space(shape) || tree.is_empty() {
             return f64::INFINITY;
         }

@@ -194,7 +194,7 @@ impl Query {
         Shapes: PrimitivePair<Q>,
     {
         // A half-space is inside of nothing that is bounded.
-        if !tree.is_solid() || tree.is_empty() || Volume::<N>::is_half_space(shape) {
+        if !tree.is_solid() || tree.is_empty() || Volume::is_half_space(shape) {
             return None;
         }
         let inside = self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose();

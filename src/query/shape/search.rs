@@ -8,6 +8,7 @@ use crate::node::Link;
 use crate::primitive::{Primitive, Separation, Shape, Shapes};
 use crate::query::entry::{Completion, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
+use crate::realign::PrimitiveSlabs;
 use core::ops::ControlFlow;
 
 /// The nearest primitive.
@@ -24,7 +25,7 @@ impl Query {
     pub(super) fn for_each_near_shape<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
-        volume: &Volume<N>,
+        volume: &Volume,
         tree: &BvhRef<'_, N, Q>,
         margin: f64,
         stats: &mut QueryStats,
@@ -43,7 +44,7 @@ impl Query {
     pub(super) fn nearest_to_shape<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
-        volume: &Volume<N>,
+        volume: &Volume,
         tree: &BvhRef<'_, N, Q>,
         limits: (f64, f64),
         stats: &mut QueryStats,
@@ -70,7 +71,7 @@ fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
     kernel: E,
     budget: u64,
     shape: &Shape,
-    volume: &Volume<N>,
+    volume: &Volume,
     tree: &BvhRef<'_, N, Q>,
     margin: f64,
     stats: &mut QueryStats,
@@ -79,8 +80,9 @@ fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
 where
     Shapes: PrimitivePair<Q>,
 {
+    let (mut slabs, mut has_slabs) = (None, false);
     let mut aimed = N::NO_AIMED;
-    volume.aim(&mut aimed, shape, margin);
+    volume.aim::<N>(&mut aimed, shape, margin);
     // A node, and its children that are still to be visited.
     let mut path = [(0_u32, 0_u16); MAX_DEPTH];
     let (mut levels, mut next) = (0, root(tree));
@@ -94,6 +96,14 @@ where
                 stats.visits += 1;
                 stats.kernels += 1;
                 let near = volume.near(kernel, &tree.nodes()[node as usize], &aimed, margin);
+                let near = if near == 0 {
+                    near
+                } else {
+                    if !has_slabs {
+                        (slabs, has_slabs) = (volume.slabs::<N>(shape, margin), true);
+                    }
+                    cut(kernel, &slabs, &tree.nodes()[node as usize], near)
+                };
                 path[levels] = (node, near);
                 levels += 1;
             }
@@ -127,11 +137,25 @@ where
     }
 }
 
+/// Without the children that lie beyond a slab.
+#[inline(always)]
+fn cut<N: Lanes, E: Kernel>(kernel: E, slabs: &Option<PrimitiveSlabs>, node: &N, near: u16) -> u16 {
+    let Some(slabs) = slabs else { return near };
+    let mut left = near;
+    for slab in slabs {
+        left &= !node.beyond(kernel, slab);
+        if left == 0 {
+            break;
+        }
+    }
+    left
+}
+
 #[inline(always)]
 fn nearest<N: Lanes, Q: Primitive>(
     budget: u64,
     shape: &Shape,
-    volume: &Volume<N>,
+    volume: &Volume,
     tree: &BvhRef<'_, N, Q>,
     (tolerance, cutoff): (f64, f64),
     stats: &mut QueryStats,
@@ -139,6 +163,7 @@ fn nearest<N: Lanes, Q: Primitive>(
 where
     Shapes: PrimitivePair<Q>,
 {
+    let gaps = volume.gaps::<N>(shape);
     let mut path = [(0_u32, [f64::INFINITY; 16]); MAX_DEPTH];
     let (mut levels, mut next) = (0, root(tree));
     let mut best = NearestPrimitive { lower: cutoff, found: None, is_complete: true };
@@ -151,7 +176,7 @@ where
                     return NearestPrimitive { lower: 0.0, is_complete: false, ..best };
                 }
                 stats.visits += 1;
-                path[levels] = (node, volume.distances(&tree.nodes()[node as usize]));
+                path[levels] = (node, volume.distances(&gaps, &tree.nodes()[node as usize]));
                 levels += 1;
             }
             Link::Leaf { .. } => {

@@ -2,7 +2,8 @@
 //!
 //! **Error of a nearest point.** Let the point given be within 33 `size` of the reference point. Segments and cuboids:
 //! the coordinates along the edges are clamped, so exactly those of a point of the core; to compute the point from them
-//! takes at most 4 roundings for each term, which is 8 u `size` with the rounding of the reference point. Cylinders:
+//! takes at most 4 roundings for each term, which is 8 u `size` with the rounding of the reference point. Triangles:
+//! likewise, and the coordinates may add up to 1 + 4 u, which is another 4 u `size`. Cylinders:
 //! the part of the given point across the axis has an error of at most 12 roundings of 34 `size`, so the point returned
 //! is within 2^9 u `size` of the cylinder. For the difference of two such points that makes at most 2^-43 `size`.
 //!
@@ -22,8 +23,8 @@ pub(super) trait Supported {
     fn size(&self) -> f64;
     /// The radius of a ball in the core about the reference point, or less.
     fn inner(&self) -> f64;
-    /// The nearest point, up to rounding, of the core shrunk about its centre by the factor `scale`. Segments are not
-    /// shrunk.
+    /// The nearest point, up to rounding, of the core shrunk about its centre by the factor `scale`. Segments and
+    /// triangles are not shrunk.
     fn nearest_of(&self, p: &Point, scale: f64) -> Point;
     /// The greatest `n . (x - at)` for x in the core.
     fn support(&self, n: &Point) -> f64;
@@ -126,6 +127,73 @@ impl Supported for Segment {
     #[inline(always)]
     fn farthest(&self, n: &Point) -> Point {
         if dot(n, &self.edge) > 0.0 { self.edge } else { [0.0; 3] }
+    }
+}
+
+/// The points `at + s edges[0] + t edges[1]` for s and t of at least 0 whose sum is at most 1.
+#[derive(Debug)]
+pub(super) struct Triangle {
+    at: Point,
+    pub(super) edges: [Point; 2],
+}
+
+impl Triangle {
+    #[inline(always)]
+    pub(super) fn new([p, q, r]: &[Point; 3], at: Point) -> Self {
+        Self { at, edges: [difference(q, p), difference(r, p)] }
+    }
+}
+
+impl Supported for Triangle {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        norm_1(&self.edges[0]) + norm_1(&self.edges[1])
+    }
+
+    #[inline(always)]
+    fn inner(&self) -> f64 {
+        0.0
+    }
+
+    // Of a point beyond an edge, the nearest one of that edge: near an obtuse corner another edge may be nearer.
+    #[inline(always)]
+    fn nearest_of(&self, p: &Point, _: f64) -> Point {
+        let [g, h] = &self.edges;
+        let w = difference(p, &self.at);
+        let (gg, gh, hh) = (dot(g, g), dot(g, h), dot(h, h));
+        let (gw, hw) = (dot(g, &w), dot(h, &w));
+        let (s, t, all) = (hh * gw - gh * hw, gg * hw - gh * gw, gg * hh - gh * gh);
+        let (s, t) = if s <= 0.0 {
+            (0.0, clamp(hw / hh, 0.0, 1.0))
+        } else if t <= 0.0 {
+            (clamp(gw / gg, 0.0, 1.0), 0.0)
+        } else if s + t < all {
+            (s / all, t / all)
+        } else {
+            // From the end of g to that of h.
+            let t = clamp(((hw - gw) + (gg - gh)) / ((gg - gh) + (hh - gh)), 0.0, 1.0);
+            (1.0 - t, t)
+        };
+        plus(&plus(&times(s, g), &times(t, h)), &self.at)
+    }
+
+    #[inline(always)]
+    fn support(&self, n: &Point) -> f64 {
+        let (x, y) = (dot(n, &self.edges[0]), dot(n, &self.edges[1]));
+        let most = if x > y { x } else { y };
+        if most > 0.0 { most } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn farthest(&self, n: &Point) -> Point {
+        let (x, y) = (dot(n, &self.edges[0]), dot(n, &self.edges[1]));
+        let (most, end) = if x > y { (x, &self.edges[0]) } else { (y, &self.edges[1]) };
+        if most > 0.0 { *end } else { [0.0; 3] }
     }
 }
 

@@ -1,7 +1,7 @@
-//! The pairs with a cuboid or a cylinder, each compiled once.
+//! The pairs with a cuboid, a cylinder or a triangle, each compiled once.
 
 use super::axes;
-use super::bodies::{Cuboid, Cylinder, Segment, Supported};
+use super::bodies::{Cuboid, Cylinder, Segment, Supported, Triangle};
 use super::search;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
@@ -40,6 +40,32 @@ pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
         ) => {
             let b = Cylinder::new(half_axis, *radius, difference(centre, c));
             search::decide(&Cylinder::new(axis, *r, ORIGIN), &b, reach)
+        }
+        (Core::Triangle(t), other) | (other, Core::Triangle(t)) => triangle(t, other, reach),
+        _ => None,
+    }
+}
+
+#[inline(never)]
+fn triangle(t: &[Point; 3], other: &Core, reach: f64) -> Option<bool> {
+    match other {
+        Core::Point(p) => search::from_point(&difference(p, &t[0]), &Triangle::new(t, ORIGIN), reach),
+        Core::Segment(s) => {
+            let segment = Segment::new(s, difference(&s[0], &t[0]));
+            search::decide(&Triangle::new(t, ORIGIN), &segment, reach)
+        }
+        Core::Cuboid { centre, half } => {
+            let (d, a) = (difference(&t[0], centre), Cuboid::new(half, ORIGIN)?);
+            let b = Triangle::new(t, d);
+            search::decide_with(&a, &b, reach, |size| {
+                // At a reach, a gap of 0 does not separate.
+                axes::meets_triangle(half, &d, &b.edges, size / a.inner())
+                    .filter(|meet| *meet || reach == 0.0)
+            })
+        }
+        Core::Cylinder { centre, half_axis, radius } => {
+            let triangle = Triangle::new(t, difference(&t[0], centre));
+            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &triangle, reach)
         }
         _ => None,
     }

@@ -17,6 +17,8 @@ struct Polytope {
     faces: Vec<(Exact, Exact, Exact)>,
     directions: Vec<Exact>,
     normals: Vec<Exact>,
+    /// The face is half of the parallelogram.
+    is_triangle: bool,
 }
 
 fn integer(x: f64, unit: i32) -> IBig {
@@ -55,8 +57,14 @@ fn outer(a: &Exact, b: &Exact) -> Exact {
 
 impl Polytope {
     fn new(core: &Core, unit: i32) -> Option<Self> {
-        let mut p =
-            Self { vertices: vec![], edges: vec![], faces: vec![], directions: vec![], normals: vec![] };
+        let mut p = Self {
+            vertices: vec![],
+            edges: vec![],
+            faces: vec![],
+            directions: vec![],
+            normals: vec![],
+            is_triangle: false,
+        };
         match core {
             Core::Point(x) => p.vertices.push(vector(x, unit)),
             Core::Segment(ends) => {
@@ -91,6 +99,21 @@ impl Polytope {
                     vec![outer(&full[0], &full[1]), outer(&full[0], &full[2]), outer(&full[1], &full[2])];
                 p.directions = full.to_vec();
             }
+            Core::Triangle(corners) => {
+                p.vertices = corners.iter().map(|x| vector(x, unit)).collect();
+                let [a, b, c] = [0, 1, 2].map(|i| p.vertices[i].clone());
+                let (g, h, k) = (minus(&b, &a), minus(&c, &a), minus(&c, &b));
+                p.edges = vec![(a.clone(), g.clone()), (a.clone(), h.clone()), (b, k.clone())];
+                let normal = outer(&g, &h);
+                if inner(&normal, &normal) > IBig::ZERO {
+                    // Those of the edges, for what is in the plane.
+                    p.normals = [&g, &h, &k].map(|edge| outer(&normal, edge)).into();
+                    p.normals.push(normal);
+                    p.faces = vec![(a, g.clone(), h.clone())];
+                }
+                p.directions = vec![g, h, k];
+                p.is_triangle = true;
+            }
             _ => return None,
         }
         Some(p)
@@ -112,13 +135,14 @@ fn near_edge(v: &Exact, (at, edge): &(Exact, Exact), square: &IBig) -> bool {
         && inner(&w, &w) * &length - &along * &along <= square * length
 }
 
-fn near_face(v: &Exact, (at, g, h): &(Exact, Exact, Exact), square: &IBig) -> bool {
+fn near_face(v: &Exact, (at, g, h): &(Exact, Exact, Exact), is_triangle: bool, square: &IBig) -> bool {
     let (w, n) = (minus(v, at), outer(g, h));
     let nn = inner(&n, &n);
     let (x, y) = (inner(&outer(&w, h), &n), inner(&outer(g, &w), &n));
     let height = inner(&w, &n);
     let is_in = |x: &IBig| *x >= IBig::ZERO && *x <= nn;
-    nn > IBig::ZERO && is_in(&x) && is_in(&y) && &height * &height <= square * nn
+    let is_beside = is_in(&x) && is_in(&y) && (!is_triangle || &x + &y <= nn);
+    nn > IBig::ZERO && is_beside && &height * &height <= square * nn
 }
 
 fn near_edges((p, u): &(Exact, Exact), (q, v): &(Exact, Exact), square: &IBig) -> bool {
@@ -139,7 +163,7 @@ fn within(a: &Polytope, b: &Polytope, square: &IBig) -> bool {
         a.vertices.iter().any(|v| {
             b.vertices.iter().any(|w| inner(&minus(v, w), &minus(v, w)) <= *square)
                 || b.edges.iter().any(|e| near_edge(v, e, square))
-                || b.faces.iter().any(|f| near_face(v, f, square))
+                || b.faces.iter().any(|f| near_face(v, f, b.is_triangle, square))
         })
     };
     if near(a, b) || near(b, a) || a.edges.iter().any(|e| b.edges.iter().any(|f| near_edges(e, f, square))) {
@@ -213,6 +237,7 @@ fn short(s: &Shape) -> Shape {
     let core = match s.core {
         Core::Point(p) => Core::Point(point(&p)),
         Core::Segment(ends) => Core::Segment(ends.map(|p| point(&p))),
+        Core::Triangle(corners) => Core::Triangle(corners.map(|p| point(&p))),
         Core::Cuboid { centre, half } => {
             Core::Cuboid { centre: point(&centre), half: half.map(|p| point(&p)) }
         }
@@ -326,6 +351,61 @@ fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
     assert!(10 * certain > 5 * all, "{certain} of {all}");
 }
 
+/// Triangles of any shape, needles, segments and points among them, against points, segments and cuboids, at margins
+/// around the distance and moved until they touch.
+#[test]
+fn triangles_are_decided_as_in_exact_arithmetic() {
+    let mut rng = Rng::new(11);
+    let (mut certain, mut all, mut hits, mut touching) = (0, 0, 0, [0, 0]);
+    for i in 0..4000 {
+        let is_grid = rng.below(3) == 0;
+        let mut corner = || -> Point {
+            [(); 3].map(|()| if is_grid { rng.int(-2, 2) as f64 * 0.5 } else { rng.range(-1.0, 1.0) })
+        };
+        let [p, q, r] = [corner(), corner(), corner()];
+        let (along, width) = (rng.range(-0.5, 1.5), *rng.pick(&[1.0, 1.0, 1.0, 1e-3, 1e-9, 0.0]));
+        let r = if width == 1.0 { r } else { [0, 1, 2].map(|i| p[i] + along * (q[i] - p[i]) + width * r[i]) };
+        let radius = *rng.pick(&[0.0, 0.0, 0.125]);
+        let a = short(&Shape { core: Core::Triangle([p, q, r]), radius });
+        let kind = rng.below(4);
+        let b = shape(&mut rng, kind);
+        let b = if rng.below(2) == 0 { Shape { radius: 0.0, ..b } } else { b };
+        let b = b.moved(&pose(&mut rng, 1.0));
+        let d = distance(&a, &b);
+        let factor = 1.0 + rng.range(-1.0, 1.0) * 2.0_f64.powi(-(rng.below(52) as i32));
+        let check = |b: &Shape, margin: f64| {
+            let b = short(b);
+            let verdict = decide(&a, &b, margin);
+            assert_eq!(verdict, decide(&b, &a, margin));
+            if let Some(verdict) = verdict {
+                assert_eq!(Some(verdict), exact(&a, &b, margin, -110), "{i}: {a:?} {b:?} {margin:e}");
+            }
+            verdict
+        };
+        for margin in [0.0, 0.5, d, d * factor, d * (2.0 - factor)] {
+            let verdict = check(&b, if margin < power_of_two(-50) { 0.0 } else { margin });
+            (certain, all) = (certain + usize::from(verdict.is_some()), all + 1);
+            hits += usize::from(verdict == Some(true));
+        }
+        // Away from the triangle until they are apart, and back by a little.
+        let direction: [f64; 3] = core::array::from_fn(|_| rng.range(-1.0, 1.0));
+        let at = |t: f64| {
+            b.moved(&Pose::new(DMat3::IDENTITY, DVec3::from_array(direction.map(|x| t * x))).unwrap())
+        };
+        let (mut low, mut high) = (0.0, 64.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if decide(&a, &at(middle), 0.0) == Some(false) { high = middle } else { low = middle }
+        }
+        let t = high + 2.0_f64.powi(-(rng.int(4, 51) as i32)) * rng.range(-1.0, 1.0);
+        let verdict = check(&at(t), 0.0);
+        touching[0] += usize::from(verdict.is_some());
+        touching[1] += 1;
+    }
+    assert!(10 * certain > 5 * all && hits > 5000, "{certain} of {all}, {hits}");
+    assert!(10 * touching[0] > 5 * touching[1], "{touching:?}");
+}
+
 /// Pairs of any magnitudes: what overflows or underflows must stay undecided.
 #[test]
 #[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
@@ -412,6 +492,7 @@ fn corners(core: &Core, is_around: bool) -> Vec<Point> {
     match core {
         Core::Point(p) => vec![*p],
         Core::Segment(ends) => ends.to_vec(),
+        Core::Triangle(corners) => corners.to_vec(),
         Core::Cuboid { centre, half: h } => (0..8)
             .map(|i| {
                 let sign = |j: usize| if i >> j & 1 == 0 { -1.0 } else { 1.0 };
