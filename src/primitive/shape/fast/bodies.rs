@@ -132,19 +132,19 @@ impl Supported for Segment {
 
 /// The points `at + s edges[0] + t edges[1]` for s and t of at least 0 whose sum is at most 1.
 #[derive(Debug)]
-pub(super) struct Triangle {
+pub(super) struct TriangleCore {
     at: Point,
     pub(super) edges: [Point; 2],
 }
 
-impl Triangle {
+impl TriangleCore {
     #[inline(always)]
     pub(super) fn new([p, q, r]: &[Point; 3], at: Point) -> Self {
         Self { at, edges: [difference(q, p), difference(r, p)] }
     }
 }
 
-impl Supported for Triangle {
+impl Supported for TriangleCore {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at

@@ -1,7 +1,7 @@
 //! The pairs with a cuboid, a cylinder or a triangle, each compiled once.
 
 use super::axes;
-use super::bodies::{Cuboid, Cylinder, Segment, Supported, Triangle};
+use super::bodies::{Cuboid, Cylinder, Segment, Supported, TriangleCore};
 use super::search;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
@@ -49,14 +49,14 @@ pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
 #[inline(never)]
 fn triangle(t: &[Point; 3], other: &Core, reach: f64) -> Option<bool> {
     match other {
-        Core::Point(p) => search::from_point(&difference(p, &t[0]), &Triangle::new(t, ORIGIN), reach),
+        Core::Point(p) => search::from_point(&difference(p, &t[0]), &TriangleCore::new(t, ORIGIN), reach),
         Core::Segment(s) => {
             let segment = Segment::new(s, difference(&s[0], &t[0]));
-            search::decide(&Triangle::new(t, ORIGIN), &segment, reach)
+            search::decide(&TriangleCore::new(t, ORIGIN), &segment, reach)
         }
         Core::Cuboid { centre, half } => {
             let (d, a) = (difference(&t[0], centre), Cuboid::new(half, ORIGIN)?);
-            let b = Triangle::new(t, d);
+            let b = TriangleCore::new(t, d);
             search::decide_with(&a, &b, reach, |size| {
                 // At a reach, a gap of 0 does not separate.
                 axes::meets_triangle(half, &d, &b.edges, size / a.inner())
@@ -64,7 +64,7 @@ fn triangle(t: &[Point; 3], other: &Core, reach: f64) -> Option<bool> {
             })
         }
         Core::Cylinder { centre, half_axis, radius } => {
-            let triangle = Triangle::new(t, difference(&t[0], centre));
+            let triangle = TriangleCore::new(t, difference(&t[0], centre));
             search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &triangle, reach)
         }
         _ => None,

@@ -273,7 +273,7 @@ fn distance(a: &Shape, b: &Shape) -> f64 {
 
 /// At margins around the distance, down to its last bits, and in touching positions on a grid.
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn polytopes_are_decided_as_in_exact_arithmetic() {
     let mut rng = Rng::new(1);
     let (mut certain, mut all) = (0, 0);
@@ -335,7 +335,7 @@ pub(crate) fn touching(rng: &mut Rng, kinds: (u64, u64), least: i64) -> (Shape, 
 }
 
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
     let mut rng = Rng::new(6);
     let (mut certain, mut all) = (0, 0);
@@ -408,7 +408,7 @@ fn triangles_are_decided_as_in_exact_arithmetic() {
 
 /// Pairs of any magnitudes: what overflows or underflows must stay undecided.
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn numbers_of_any_magnitude_never_give_a_wrong_verdict() {
     let mut rng = Rng::new(2);
     let mut certain = 0;

@@ -11,7 +11,7 @@ use alloc::format;
 
 /// Pairs of each two kinds.
 /// A tenth under emulators.
-const PAIRS: usize = 500 / if cfg!(target_arch = "aarch64") { 10 } else { 1 };
+const PAIRS: usize = 500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 /// The kinds of shapes (point, segment, triangle, cuboid, cylinder, cone) with a closed form.
 const KINDS: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 3], [0, 4], [0, 5], [1, 1], [1, 3], [3, 3]];

@@ -9,7 +9,7 @@ use crate::rng::Rng;
 use alloc::format;
 
 /// A tenth under emulators.
-const PAIRS: usize = 500 / if cfg!(target_arch = "aarch64") { 10 } else { 1 };
+const PAIRS: usize = 500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 const FLOOR: f64 = power_of_two(-42);
 

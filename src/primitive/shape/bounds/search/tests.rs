@@ -14,7 +14,7 @@ pub(crate) mod truth;
 
 /// Pairs of each two kinds.
 /// A tenth under emulators.
-const PAIRS: usize = 1_500 / if cfg!(target_arch = "aarch64") { 10 } else { 1 };
+const PAIRS: usize = 1_500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 /// Rounding that a test of computed points allows, relative to the coordinates.
 const FLOOR: f64 = power_of_two(-45);

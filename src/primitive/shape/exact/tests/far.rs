@@ -57,7 +57,7 @@ fn beside(rng: &mut Rng, x: f64) -> f64 {
 
 /// Shapes on a lattice of any size, with some numbers moved by one ulp. Those that touched before are decided by this.
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn one_digit_decides() {
     let mut rng = Rng::new(77);
     let pairs = (0..6).flat_map(|i| (0..=i.min(3)).map(move |j| (i, j)));

@@ -78,7 +78,7 @@ fn determinant<T: Number>(size: usize, m: &dyn Fn(usize, usize) -> T) -> T {
 /// All pairs of polytopes, on small lattices, so that most are degenerate, parallel, coplanar, nested or touching in
 /// some cases.
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn polytopes_are_as_near_as_their_nearest_points() {
     let mut rng = Rng::new(71);
     for (i, j) in (0..4).flat_map(|i| (0..=i).map(move |j| (i, j))) {

@@ -88,7 +88,7 @@ pub(super) fn compare<T: Number>(round: &Core, polytope: &Core, number: impl Fn(
 }
 
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn polytopes_meet_round_solids_where_their_sections_do() {
     let mut rng = Rng::new(72);
     for (round, polytope) in [4, 5].into_iter().flat_map(|round| [0, 1, 2, 3].map(|p| (round, p))) {
@@ -107,7 +107,7 @@ fn polytopes_meet_round_solids_where_their_sections_do() {
 
 /// Round solids that meet only the inside of a face, or are inside of a cuboid: the radii are small.
 #[test]
-#[cfg_attr(target_arch = "aarch64", ignore = "minutes under an emulator")]
+#[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn faces_are_pierced_away_from_their_edges() {
     let mut rng = Rng::new(73);
     let mut tally = Tally::default();
