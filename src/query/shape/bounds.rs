@@ -119,10 +119,7 @@ impl Volume {
     #[inline(always)]
     pub(super) fn gaps<N: Lanes>(&self, shape: &Shape) -> Gaps<N> {
         let Self::Dop { body, reach } = self else { return Gaps { planes: N::NO_PLANES, own: None } };
-        let own = match self.slabs::<N>(shape, 0.0) {
-            Some(slabs) => Some(PrimitiveGaps::new::<Shapes>(shape, slabs, 1.0)),
-            None => None,
-        };
+        let own = self.slabs::<N>(shape, 0.0).map(|slabs| PrimitiveGaps::new::<Shapes>(shape, slabs, 1.0));
         Gaps { planes: N::planes_of::<Shapes>(&body.frame, &[*shape], *reach), own }
     }
 

@@ -99,6 +99,7 @@ pub(super) fn meet(a: &[Point; 3], d: &Point, b: &[Point; 3], q: f64) -> Option<
 /// Whether the parallelepiped about the origin with the half edges `a` meets the triangle with a corner at `d` and these
 /// edges from it.
 #[inline]
+#[expect(clippy::needless_range_loop, reason = "several arrays share the index")]
 pub(super) fn meets_triangle(a: &[Point; 3], d: &Point, edges: &[Point; 2], q: f64) -> Option<bool> {
     let a = Coordinates::new(a);
     let (t, g, h) = (a.of(d), a.of(&edges[0]), a.of(&edges[1]));
