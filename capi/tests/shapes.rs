@@ -173,7 +173,7 @@ fn compare_reversed<S: Storage, A: AsBvh<Node = Node16<18, S>>>(
 
 fn shapes_and_trees<S: Storage>() {
     let (mut rng, mut verdicts) = (Rng::new(32), [0; 3]);
-    for _ in 0..12 {
+    for _ in 0..20 {
         let shapes = single_shapes(&mut rng);
         compare::<S, _>(&shapes, &meshes_of::<S>(&mut rng), &mut rng, &mut verdicts);
         compare::<S, _>(&shapes, &sphere_sets_of::<S>(&mut rng), &mut rng, &mut verdicts);
