@@ -113,6 +113,29 @@ impl Core {
     }
 }
 
+#[cfg(test)]
+impl Core {
+    /// With each number of it replaced, in order; a normal stays.
+    pub(super) fn map(&self, mut number: impl FnMut(f64) -> f64) -> Self {
+        let mut vector = |v: Point| v.map(&mut number);
+        match *self {
+            Self::Point(p) => Self::Point(vector(p)),
+            Self::Segment(ends) => Self::Segment(ends.map(vector)),
+            Self::Triangle(corners) => Self::Triangle(corners.map(vector)),
+            Self::Cuboid { centre, half } => Self::Cuboid { centre: vector(centre), half: half.map(vector) },
+            Self::Cylinder { centre, half_axis, radius } => {
+                let (centre, half_axis) = (vector(centre), vector(half_axis));
+                Self::Cylinder { centre, half_axis, radius: number(radius) }
+            }
+            Self::Cone { base, axis, radius } => {
+                let (base, axis) = (vector(base), vector(axis));
+                Self::Cone { base, axis, radius: number(radius) }
+            }
+            Self::HalfSpace { normal, offset } => Self::HalfSpace { normal, offset: number(offset) },
+        }
+    }
+}
+
 /// A vector of length 1 up to rounding.
 fn unit(v: &Point) -> Result<Point, ShapeError> {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());

@@ -38,7 +38,7 @@ impl Hull {
 
     /// The hull of a shape. NaN for half-spaces, which no hull contains.
     pub(super) fn of(shape: &Shape) -> Self {
-        let mut hull = Self { corners: [[0.0; 3]; MOST], len: 0, radius: shape.radius };
+        let mut hull = Self { corners: [[0.0; 3]; MOST], len: 0, radius: radius_of(shape) };
         match &shape.core {
             Core::Point(p) => hull.push(*p),
             Core::Segment(ends) => ends.iter().for_each(|p| hull.push(*p)),
@@ -49,15 +49,13 @@ impl Hull {
                     let (x, y, z) = (scaled(x, sign(0)), scaled(y, sign(1)), scaled(z, sign(2)));
                     hull.push(sum(&sum(centre, &x), &sum(&y, &z)));
                 }
-                hull.widen(size(centre) + (size(x) + (size(y) + size(z))));
             }
             Core::Cylinder { centre, half_axis, radius } => {
                 let wide = radius * (1.0 + SKEW);
                 let [u, v] = across(half_axis, wide);
-                let end = scaled(half_axis, 1.0 + SKEW * radius / length(half_axis));
+                let end = beyond(half_axis, *radius);
                 hull.push_octagon(&sum(centre, &end), &u, &v);
                 hull.push_octagon(&sum(centre, &scaled(&end, -1.0)), &u, &v);
-                hull.widen(size(centre) + (size(&end) + 2.0 * wide));
             }
             Core::Cone { base, axis, radius } => {
                 let wide = radius * (1.0 + SKEW);
@@ -65,14 +63,8 @@ impl Hull {
                 let below = scaled(axis, -SKEW * radius / length(axis));
                 hull.push_octagon(&sum(base, &below), &u, &v);
                 hull.push(sum(base, axis));
-                // The moved disc may lean beyond the lateral surface, too.
-                hull.radius += SKEW * radius;
-                hull.widen(size(base) + (size(axis) + 2.0 * wide));
             }
-            Core::HalfSpace { .. } => {
-                hull.push([f64::NAN; 3]);
-                hull.radius = f64::NAN;
-            }
+            Core::HalfSpace { .. } => hull.push([f64::NAN; 3]),
         }
         hull
     }
@@ -89,11 +81,34 @@ impl Hull {
             }
         }
     }
+}
 
-    /// Adds the allowance for rounding of corners, for a sum of magnitudes.
-    fn widen(&mut self, size: f64) {
-        self.radius = (self.radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
+/// The radius of [`Hull::of`], without its corners.
+pub(super) fn radius_of(shape: &Shape) -> f64 {
+    // With the allowance for rounding of corners, for a sum of magnitudes.
+    let widened =
+        |radius: f64, size: f64| (radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
+    match &shape.core {
+        Core::Point(_) | Core::Segment(_) | Core::Triangle(_) => shape.radius,
+        Core::Cuboid { centre, half: [x, y, z] } => {
+            widened(shape.radius, size(centre) + (size(x) + (size(y) + size(z))))
+        }
+        Core::Cylinder { centre, half_axis, radius } => {
+            let wide = radius * (1.0 + SKEW);
+            widened(shape.radius, size(centre) + (size(&beyond(half_axis, *radius)) + 2.0 * wide))
+        }
+        Core::Cone { base, axis, radius } => {
+            let wide = radius * (1.0 + SKEW);
+            // The moved disc may lean beyond the lateral surface, too.
+            widened(shape.radius + SKEW * radius, size(base) + (size(axis) + 2.0 * wide))
+        }
+        Core::HalfSpace { .. } => f64::NAN,
     }
+}
+
+/// Half the axis of a cylinder, with room for discs that lean.
+fn beyond(half_axis: &Point, radius: f64) -> Point {
+    scaled(half_axis, 1.0 + SKEW * radius / length(half_axis))
 }
 
 /// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.

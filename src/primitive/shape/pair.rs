@@ -7,13 +7,10 @@
 use super::bounds::{Certified, bounds};
 use super::exact;
 use super::fast::decide;
-use crate::exact::power_of_two;
 use crate::primitive::Separation;
 use crate::primitive::shape::convex::Shape;
+use crate::primitive::triangle::distance::TIGHT;
 use crate::range::MIN_COORDINATE;
-
-/// The smallest tolerance, of what is to decide.
-const TIGHT: f64 = power_of_two(-42);
 
 /// Whether two shapes have a common point. Touching counts.
 #[must_use]

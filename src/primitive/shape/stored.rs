@@ -3,7 +3,7 @@
 use super::convex::Shape;
 use super::core::Core;
 use super::error::ShapeError;
-use super::hull::Hull;
+use super::hull::{Hull, radius_of};
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
@@ -141,7 +141,7 @@ impl Primitive for Shapes {
 
     #[inline(always)]
     fn radius(item: &Shape) -> f64 {
-        Hull::of(item).radius
+        radius_of(item)
     }
 
     #[inline(always)]

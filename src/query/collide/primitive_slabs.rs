@@ -8,7 +8,7 @@ use crate::kernel::Kernel;
 use crate::node::{Child, Link, Width};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
-use crate::query::lanes::{Lanes, bits_of, weight_of};
+use crate::query::lanes::{Lanes, bits_of, weight_of, within_slabs};
 use crate::query::setup::{Cutter, Margin, Placing, Side};
 use crate::realign::{PrimitiveSlabs, shrinkage};
 
@@ -109,16 +109,7 @@ impl PrimitiveCut {
         let Some((_, slabs)) = &self.last else { return bits };
         kernel.run(
             #[inline(always)]
-            || {
-                let mut left = bits;
-                for slab in slabs {
-                    left &= !node.beyond(kernel, slab);
-                    if left == 0 {
-                        break;
-                    }
-                }
-                left
-            },
+            || within_slabs(kernel, node, slabs, bits),
         )
     }
 }

@@ -5,7 +5,7 @@ use super::rows::Rows;
 use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::{Key, Storage};
 use crate::node::{Dop, Node4, Node16};
-use crate::realign::{PrimitiveSlab, Realignment};
+use crate::realign::{PrimitiveSlab, PrimitiveSlabs, Realignment};
 
 /// The operations for which [`Node16`] and [`Node4`] call different kernels.
 pub trait Compare: Dop {
@@ -227,6 +227,24 @@ where
         let pairs = kernel.overlap_4v4(turned, self);
         ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
     }
+}
+
+/// Without the lanes of `node` that lie beyond one of the slabs.
+#[inline(always)]
+pub(in crate::query) fn within_slabs<N: Compare, E: Kernel>(
+    kernel: E,
+    node: &N,
+    slabs: &PrimitiveSlabs,
+    lanes: u16,
+) -> u16 {
+    let mut left = lanes;
+    for slab in slabs {
+        left &= !node.beyond(kernel, slab);
+        if left == 0 {
+            break;
+        }
+    }
+    left
 }
 
 #[cfg(test)]

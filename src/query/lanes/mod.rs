@@ -10,6 +10,7 @@ mod supports;
 
 pub(super) use along::Along;
 pub use compare::Compare;
+pub(super) use compare::within_slabs;
 pub(super) use entries::Entry;
 pub(super) use entries::{Entries, least, weight, weight_of};
 pub(super) use gaps::growth;

@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::node::Child;
 use crate::primitive::shape::{Core, hull_of};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::lanes::{Along, Lanes, PrimitiveGaps, used_lanes};
+use crate::query::lanes::{Along, Entry, Lanes, PrimitiveGaps, used_lanes};
 use crate::range::Point;
 use crate::realign::PrimitiveSlabs;
 use crate::vector::{difference, dot, length};
@@ -137,7 +137,7 @@ impl Volume {
             Self::HalfSpace { .. } => {
                 let mut near = used_lanes(node.children());
                 for lane in 0..N::ARITY {
-                    if near >> lane & 1 != 0 && self.distance_of(node, lane, 0.0) > margin {
+                    if near >> lane & 1 != 0 && self.distance_of(node, lane) > margin {
                         near &= !(1 << lane);
                     }
                 }
@@ -157,7 +157,7 @@ impl Volume {
                     node.raise(&mut entries, own);
                 }
                 for entry in entries {
-                    if entry != crate::query::lanes::Entry::NONE {
+                    if entry != Entry::NONE {
                         let square = f64::from(entry.bound());
                         distances[entry.lane()] =
                             if square > 0.0 { libm::sqrt(square) / body.frame.scale() } else { 0.0 };
@@ -167,7 +167,7 @@ impl Volume {
             Self::HalfSpace { .. } => {
                 for (lane, child) in node.children().iter().enumerate() {
                     if *child != Child::EMPTY {
-                        distances[lane] = self.distance_of(node, lane, 0.0);
+                        distances[lane] = self.distance_of(node, lane);
                     }
                 }
             }
@@ -176,12 +176,12 @@ impl Volume {
     }
 
     /// Lower bound of the distance of child `lane` from a half-space.
-    fn distance_of<N: Lanes>(&self, node: &N, lane: usize, least: f64) -> f64 {
-        let Self::HalfSpace { opposite, end, scale } = self else { return least };
+    fn distance_of<N: Lanes>(&self, node: &N, lane: usize) -> f64 {
+        let Self::HalfSpace { opposite, end, scale } = self else { return 0.0 };
         let nearest = -f64::from(node.reach_along(opposite, lane)) / scale;
         // The sum of two numbers of any size: its rounding is relative to them.
         let gap = (nearest - end) - ROUNDING * (nearest.abs() + end.abs());
-        if gap > least { gap } else { least }
+        if gap > 0.0 { gap } else { 0.0 }
     }
 
     /// An upper bound of the distance of the shape from some primitive.

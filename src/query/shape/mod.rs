@@ -10,16 +10,13 @@ use super::entry::{
     Answer, Completion, Hint, Pair, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
 };
 use super::lanes::Lanes;
-use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::pose::Pose;
 use crate::primitive::shape::{is_near, nearer};
+use crate::primitive::triangle::distance::TIGHT;
 use crate::primitive::{Primitive, Shape, Shapes};
 use bounds::Volume;
 use core::ops::ControlFlow;
-
-/// The smallest tolerance of a distance between primitives.
-const TIGHT: f64 = power_of_two(-42);
 
 impl Query {
     /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is

@@ -7,8 +7,7 @@ use crate::kernel::Kernel;
 use crate::node::Link;
 use crate::primitive::{Primitive, Separation, Shape, Shapes};
 use crate::query::entry::{Completion, PrimitivePair, Query, QueryStats};
-use crate::query::lanes::Lanes;
-use crate::realign::PrimitiveSlabs;
+use crate::query::lanes::{Lanes, within_slabs};
 use core::ops::ControlFlow;
 
 /// The nearest primitive.
@@ -80,7 +79,8 @@ fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
 where
     Shapes: PrimitivePair<Q>,
 {
-    let (mut slabs, mut has_slabs) = (None, false);
+    // Of no use to most shapes that nothing is near.
+    let mut slabs = None;
     let mut aimed = N::NO_AIMED;
     volume.aim::<N>(&mut aimed, shape, margin);
     // A node, and its children that are still to be visited.
@@ -95,15 +95,16 @@ where
                 }
                 stats.visits += 1;
                 stats.kernels += 1;
-                let near = volume.near(kernel, &tree.nodes()[node as usize], &aimed, margin);
-                let near = if near == 0 {
-                    near
-                } else {
-                    if !has_slabs {
-                        (slabs, has_slabs) = (volume.slabs::<N>(shape, margin), true);
-                    }
-                    cut(kernel, &slabs, &tree.nodes()[node as usize], near)
-                };
+                let children = &tree.nodes()[node as usize];
+                let mut near = volume.near(kernel, children, &aimed, margin);
+                if near != 0
+                    && let Some(slabs) = slabs.get_or_insert_with(
+                        #[inline(always)]
+                        || volume.slabs::<N>(shape, margin),
+                    )
+                {
+                    near = within_slabs(kernel, children, slabs, near);
+                }
                 path[levels] = (node, near);
                 levels += 1;
             }
@@ -135,20 +136,6 @@ where
             break;
         }
     }
-}
-
-/// Without the children that lie beyond a slab.
-#[inline(always)]
-fn cut<N: Lanes, E: Kernel>(kernel: E, slabs: &Option<PrimitiveSlabs>, node: &N, near: u16) -> u16 {
-    let Some(slabs) = slabs else { return near };
-    let mut left = near;
-    for slab in slabs {
-        left &= !node.beyond(kernel, slab);
-        if left == 0 {
-            break;
-        }
-    }
-    left
 }
 
 #[inline(always)]

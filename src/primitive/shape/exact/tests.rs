@@ -125,24 +125,6 @@ impl Draw<'_> {
     }
 }
 
-/// The core with all lengths scaled by a power of two.
-fn scaled(core: &Core, by: f64) -> Core {
-    let vector = |v: Point| v.map(|x| x * by);
-    match *core {
-        Core::Point(p) => Core::Point(vector(p)),
-        Core::Segment(ends) => Core::Segment(ends.map(vector)),
-        Core::Triangle(corners) => Core::Triangle(corners.map(vector)),
-        Core::Cuboid { centre, half } => Core::Cuboid { centre: vector(centre), half: half.map(vector) },
-        Core::Cylinder { centre, half_axis, radius } => {
-            Core::Cylinder { centre: vector(centre), half_axis: vector(half_axis), radius: radius * by }
-        }
-        Core::Cone { base, axis, radius } => {
-            Core::Cone { base: vector(base), axis: vector(axis), radius: radius * by }
-        }
-        Core::HalfSpace { normal, offset } => Core::HalfSpace { normal, offset: offset * by },
-    }
-}
-
 /// The verdict for two cores widened by parts of a whole number `reach`, scaled by a power of two. Both orders must
 /// agree.
 fn verdict(rng: &mut Rng, a: &Core, b: &Core, reach: f64) -> Option<bool> {
@@ -151,7 +133,8 @@ fn verdict(rng: &mut Rng, a: &Core, b: &Core, reach: f64) -> Option<bool> {
         *rng.pick(&[[0.0, 0.0, reach], [reach, 0.0, 0.0], [0.0, reach - 1.0, 1.0], [1.0, reach - 1.0, 0.0]]);
     let parts = if reach == 0.0 { [0.0; 3] } else { parts };
     let [p, q, margin] = parts.map(|x| x * scale);
-    let (a, b) = (Shape { core: scaled(a, scale), radius: p }, Shape { core: scaled(b, scale), radius: q });
+    let (a, b) =
+        (Shape { core: a.map(|x| x * scale), radius: p }, Shape { core: b.map(|x| x * scale), radius: q });
     let verdict = is_within(&a, &b, margin);
     assert_eq!(verdict, is_within(&b, &a, margin), "{a:?} {b:?} {margin:e}");
     verdict

@@ -248,17 +248,7 @@ fn short(s: &Shape) -> Shape {
 
 /// A shape in another unit.
 pub(crate) fn scaled(s: &Shape, by: f64) -> Shape {
-    let point = |p: Point| p.map(|x| x * by);
-    let core = match s.core {
-        Core::Point(p) => Core::Point(point(p)),
-        Core::Segment(ends) => Core::Segment(ends.map(point)),
-        Core::Cuboid { centre, half } => Core::Cuboid { centre: point(centre), half: half.map(point) },
-        Core::Cylinder { centre, half_axis, radius } => {
-            Core::Cylinder { centre: point(centre), half_axis: point(half_axis), radius: radius * by }
-        }
-        _ => unreachable!(),
-    };
-    Shape { core, radius: s.radius * by }
+    Shape { core: s.core.map(|x| by * x), radius: s.radius * by }
 }
 
 /// The greatest margin at which the verdict is `false`, up to rounding, if there is one.

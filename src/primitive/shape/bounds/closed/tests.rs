@@ -9,8 +9,7 @@ use crate::range::Point;
 use crate::rng::Rng;
 use alloc::format;
 
-/// Pairs of each two kinds.
-/// A tenth under emulators.
+/// Pairs of each two kinds; a tenth under emulators.
 const PAIRS: usize = 500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 /// The kinds of shapes (point, segment, triangle, cuboid, cylinder, cone) with a closed form.

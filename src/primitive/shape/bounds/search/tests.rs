@@ -12,8 +12,7 @@ pub(crate) mod double;
 pub(crate) mod samples;
 pub(crate) mod truth;
 
-/// Pairs of each two kinds.
-/// A tenth under emulators.
+/// Pairs of each two kinds; a tenth under emulators.
 const PAIRS: usize = 1_500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 /// Rounding that a test of computed points allows, relative to the coordinates.

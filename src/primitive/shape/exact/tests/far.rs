@@ -24,26 +24,6 @@ fn wide(x: f64) -> IBig {
     if x < 0.0 { -magnitude } else { magnitude }
 }
 
-/// The core with each number replaced.
-fn replaced(core: &Core, mut number: impl FnMut(f64) -> f64) -> Core {
-    let mut vector = |v: Point| v.map(&mut number);
-    match *core {
-        Core::Point(p) => Core::Point(vector(p)),
-        Core::Segment(ends) => Core::Segment(ends.map(vector)),
-        Core::Triangle(corners) => Core::Triangle(corners.map(vector)),
-        Core::Cuboid { centre, half } => Core::Cuboid { centre: vector(centre), half: half.map(vector) },
-        Core::Cylinder { centre, half_axis, radius } => {
-            let (centre, half_axis) = (vector(centre), vector(half_axis));
-            Core::Cylinder { centre, half_axis, radius: number(radius) }
-        }
-        Core::Cone { base, axis, radius } => {
-            let (base, axis) = (vector(base), vector(axis));
-            Core::Cone { base, axis, radius: number(radius) }
-        }
-        Core::HalfSpace { normal, offset } => Core::HalfSpace { normal, offset: number(offset) },
-    }
-}
-
 /// A number as it is, or the next one, or a tiny one for zero.
 fn beside(rng: &mut Rng, x: f64) -> f64 {
     match rng.below(8) {
@@ -71,7 +51,7 @@ fn one_digit_decides() {
             let reach = if i < 4 { rng.int(-1, 2).max(0) as f64 } else { 0.0 };
             let parts = [reach * scale, 0.0, 0.0].map(|x| beside(&mut rng, x).max(0.0));
             let parts = if i < 4 { parts } else { [0.0; 3] };
-            let moved = [&a, &b].map(|core| replaced(&scaled(core, scale), |x| beside(&mut rng, x)));
+            let moved = [&a, &b].map(|core| core.map(|x| beside(&mut rng, x * scale)));
             let (before, after) = if i < 4 {
                 let (square, denominator) = square_between(&corners(&a, whole), &corners(&b, whole));
                 let before = square.cmp(&(whole(reach * reach) * denominator));
@@ -101,7 +81,7 @@ fn one_digit_of_a_half_space_decides() {
             let mut draw = Draw { rng: &mut rng, most: 3 };
             let (core, normal, margin) = (draw.core(kind), draw.axis(), draw.rng.int(-1, 2).max(0) as f64);
             let scale = power_of_two(*rng.pick(&[-248, 0, 298]));
-            let core = replaced(&scaled(&core, scale), |x| beside(&mut rng, x));
+            let core = core.map(|x| beside(&mut rng, x * scale));
             let normal = normal.map(|x| beside(&mut rng, 0.5 * x));
             let offset = *rng.pick(&[0.0, MIN_COORDINATE, 2.0, scale, -scale, 1.5 * scale]);
             let margin = beside(&mut rng, margin * scale).max(0.0);
@@ -132,7 +112,7 @@ fn the_last_digit_of_a_radius_decides() {
             let mut draw = Draw { rng: &mut rng, most };
             let (a, b, reach) = (draw.core(i), draw.core(j), draw.length());
             let scale = power_of_two(*rng.pick(&[-240, 0, 296]));
-            let [a, b] = [a, b].map(|core| scaled(&core, scale));
+            let [a, b] = [a, b].map(|core| core.map(|x| x * scale));
             let reach = reach * scale;
             let verdict = |p: f64, q: f64, margin: f64| {
                 let (a, b) = (Shape { core: a, radius: p }, Shape { core: b, radius: q });
@@ -173,7 +153,7 @@ fn no_number_in_range_is_too_long() {
             };
             let mut draw = Draw { rng: &mut Rng::new(1), most: 3 };
             let mut draw = |kind: usize| {
-                let core = replaced(&draw.core(kind), &mut number);
+                let core = draw.core(kind).map(&mut number);
                 match core {
                     Core::HalfSpace { offset, .. } => {
                         let mut component = |_| if number(0.0) > 0.0 { 2.0 } else { least };

@@ -116,21 +116,5 @@ pub(crate) fn moved(shape: &Shape, by: &Point) -> Shape {
 
 /// A shape scaled by a power of two.
 pub(crate) fn scaled(shape: &Shape, by: f64) -> Shape {
-    let at = |p: &Point| p.map(|x| flush(by * x));
-    let core = match shape.core() {
-        Core::Point(p) => Core::Point(at(p)),
-        Core::Segment(ends) => Core::Segment([at(&ends[0]), at(&ends[1])]),
-        Core::Triangle([p, q, r]) => Core::Triangle([at(p), at(q), at(r)]),
-        Core::Cuboid { centre, half } => {
-            Core::Cuboid { centre: at(centre), half: [at(&half[0]), at(&half[1]), at(&half[2])] }
-        }
-        Core::Cylinder { centre, half_axis, radius } => {
-            Core::Cylinder { centre: at(centre), half_axis: at(half_axis), radius: by * radius }
-        }
-        Core::Cone { base, axis, radius } => {
-            Core::Cone { base: at(base), axis: at(axis), radius: by * radius }
-        }
-        Core::HalfSpace { normal, offset } => Core::HalfSpace { normal: *normal, offset: by * offset },
-    };
-    Shape::new(core, by * shape.radius()).unwrap()
+    Shape::new(shape.core().map(|x| flush(by * x)), by * shape.radius()).unwrap()
 }
