@@ -53,6 +53,16 @@ enum Geometry {
     Half(Built<Half>),
 }
 
+/// A body with planes in a storage, from an expression that builds its tree in either.
+macro_rules! body_in {
+    ($storage:expr, $kind:ident, $tree:expr) => {
+        Ok(simdop_body(match simdop_storage::checked($storage)? {
+            simdop_storage::Fixed => Geometry::Fixed(Built::$kind($tree)),
+            simdop_storage::Half => Geometry::Half(Built::$kind($tree)),
+        }))
+    };
+}
+
 /// An owned tree.
 #[derive(Debug)]
 enum Built<S: Storage> {
@@ -275,15 +285,9 @@ pub unsafe extern "C" fn simdop_body_build_triangles_as(
             // SAFETY: as above.
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
-        built(if is_solid == 0 { Builder::new() } else { Builder::new().solid() }, &mesh, storage)
+        let builder = if is_solid == 0 { Builder::new() } else { Builder::new().solid() };
+        body_in!(storage, Mesh, builder.build_as(&mesh)?)
     })
-}
-
-fn built(builder: Builder, mesh: &Mesh<'_>, storage: c_int) -> Result<simdop_body, Failure> {
-    Ok(simdop_body(match simdop_storage::checked(storage)? {
-        simdop_storage::Fixed => Geometry::Fixed(Built::Mesh(builder.build_as(mesh)?)),
-        simdop_storage::Half => Geometry::Half(Built::Mesh(builder.build_as(mesh)?)),
-    }))
 }
 
 /// Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
@@ -310,7 +314,7 @@ pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
             // SAFETY: as above.
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
-        built(Builder::new().solid_with_caps(width), &mesh, storage)
+        body_in!(storage, Mesh, Builder::new().solid_with_caps(width).build_as(&mesh)?)
     })
 }
 
@@ -370,12 +374,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
         let spheres: Vec<_> = spheres.iter().map(sphere).collect();
         let set = SphereSet { spheres: &spheres };
         let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
-        Ok(simdop_body(match simdop_storage::checked(storage)? {
-            simdop_storage::Fixed => {
-                Geometry::Fixed(Built::Spheres(builder.build_geometry(&set, &mut go_on)?))
-            }
-            simdop_storage::Half => Geometry::Half(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
-        }))
+        body_in!(storage, Spheres, builder.build_geometry(&set, &mut go_on)?)
     })
 }
 
@@ -422,12 +421,7 @@ pub unsafe extern "C" fn simdop_body_build_shapes_as(
         let shapes = checked(unsafe { items(shapes, count, "shapes") }?, "shape", simdop_shape::checked)?;
         let set = ShapeSet::new(&shapes)?;
         let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
-        Ok(simdop_body(match simdop_storage::checked(storage)? {
-            simdop_storage::Fixed => {
-                Geometry::Fixed(Built::Shapes(builder.build_geometry(&set, &mut go_on)?))
-            }
-            simdop_storage::Half => Geometry::Half(Built::Shapes(builder.build_geometry(&set, &mut go_on)?)),
-        }))
+        body_in!(storage, Shapes, builder.build_geometry(&set, &mut go_on)?)
     })
 }
 

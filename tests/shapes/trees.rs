@@ -311,6 +311,40 @@ fn queries_of_two_shapes_are_those_of_the_pair() {
     }
 }
 
+/// A shape that meets a cap but no triangle is partly inside of the solid, wherever its centre is; of the surface it is
+/// free. The cap has no say in distances.
+#[test]
+fn shapes_meet_caps() {
+    let mut data = cuboid([-1.0; 3], [1.0; 3], false);
+    // Without the side at x = 1.
+    data.triangles.truncate(10);
+    let surface = mesh::<Node16<18>>(&data, false);
+    let capped = Builder::new().solid_with_caps(3.0);
+    let capped: Bvh<Node16<18>> =
+        capped.build_as(&Mesh { vertices: &data.vertices, triangles: &data.triangles }).unwrap();
+    for isa in Isa::available() {
+        let query = Query::new(isa);
+        let at = |x: f64| {
+            Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap()
+        };
+        for lone in
+            [Shape::sphere(0.125), Shape::cuboid([0.25; 3]), Shape::cylinder(0.125, 0.25)].map(Result::unwrap)
+        {
+            for (x, is_hit) in [(0.5, true), (1.0, true), (1.0625, true), (1.125, true), (1.1875, false)] {
+                assert_eq!(query.collide_shape(&lone, &capped, &at(x)).is_free(), !is_hit, "{lone:?} {x}");
+                assert!(query.collide_shape(&lone, &surface, &at(x)).is_free(), "{lone:?} {x}");
+                let distance = |tree| query.distance_shape(&lone, tree, &at(x), 0.0, f64::INFINITY).unwrap();
+                let (of_solid, of_surface) = (distance(&capped), distance(&surface));
+                assert_eq!(of_solid.upper == 0.0, is_hit, "{lone:?} {x}: {of_solid:?}");
+                assert!(of_surface.lower > 0.5, "{lone:?} {x}: {of_surface:?}");
+                if !is_hit {
+                    assert_eq!((of_solid.lower, of_solid.upper), (of_surface.lower, of_surface.upper));
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn what_is_no_shape_is_refused() {
     let plane = Shape::half_space([0.0, 0.0, 1.0], 0.0).unwrap();
