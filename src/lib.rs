@@ -187,6 +187,8 @@ pub mod isa;
 mod kernel;
 mod key;
 pub mod low_level;
+#[cfg(feature = "mesh-io")]
+pub mod mesh_io;
 pub mod motion;
 pub mod node;
 #[cfg(feature = "alloc")]

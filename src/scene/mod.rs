@@ -50,6 +50,8 @@ mod pairs;
 mod placement;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
+#[cfg(feature = "alloc")]
+pub use body::SharedTree;
 pub use body::{Body, BodyId, BodyTree, Groups};
 pub use check_motion::{MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 pub use check_states::ConfigurationsAnswer;

@@ -3,11 +3,11 @@
 use super::options::Options;
 use crate::body::CapsReport;
 use crate::error::Error;
-use crate::mesh::{self, Empty};
 use crate::progress;
 use crate::shape;
 use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
+use simdop::mesh_io::{self, FileError};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
@@ -150,16 +150,12 @@ fn body(urdf: &Path, shape: &LinkShape, cap: f64) -> Result<Geometry, Error> {
     };
     let path = located(urdf, file);
     let bytes = std::fs::read(&path).map_err(Error::io(&path))?;
-    let mut mesh = mesh::read(&path, &bytes, Empty::Refused)?;
-    for vertex in &mut mesh.vertices {
-        *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
+    let mesh = mesh_io::read(&path, &bytes).map_err(Error::content(&path))?.scaled(*scale);
+    if mesh.triangles.is_empty() {
+        return Err(Error::content(path)(FileError::file("there is no triangle in the file")));
     }
-    // A reflection turns the mesh inside out.
-    if scale.iter().product::<f64>() < 0.0 {
-        mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
-    }
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Geometry::build(&mesh, cap).map_err(|error| Error::Build { name: path.display().to_string(), error })
+    Geometry::build(&mesh.as_mesh(), cap)
+        .map_err(|error| Error::Build { name: path.display().to_string(), error })
 }
 
 /// The file of a mesh that a URDF refers to, relative to it or to a package: the first `NAME/FILE` or `FILE` in the

@@ -1,9 +1,10 @@
 //! Planning problems, one JSON object per line, in the form of MotionBenchMaker's data sets.
 
 use super::model::Model;
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use serde::Deserialize;
 use simdop::glam::{DQuat, DVec3};
+use simdop::mesh_io::FileError;
 use simdop::motion::MotionError;
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
@@ -75,11 +76,11 @@ pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, E
     };
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let problem = |(i, line): (usize, &str)| {
-        parse(line, model).map_err(|problem| Error::content(path, Fault::line(i + 1, problem)))
+        parse(line, model).map_err(|problem| Error::content(path)(FileError::line(i + 1, problem)))
     };
     let problems: Vec<_> = lines.map(problem).collect::<Result<_, _>>()?;
     if problems.is_empty() {
-        return Err(Error::content(path, Fault::file("there is no problem in the file")));
+        return Err(Error::content(path)(FileError::file("there is no problem in the file")));
     }
     Ok(problems)
 }
