@@ -26,7 +26,9 @@ mod files;
 mod geometry;
 mod model;
 mod motions;
+mod objects;
 mod pairs;
+mod placement;
 mod scene;
 mod workspace;
 
@@ -38,4 +40,4 @@ pub use scene::PlanningScene;
 pub use workspace::Workspace;
 
 /// The node type of all trees.
-pub type Node = crate::node::Node16<18>;
+pub type PlanningNode = crate::node::Node16<18>;

@@ -1,17 +1,18 @@
 //! Queries of straight motions in the joints.
 
+use super::PlanningNode;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
 use crate::motion::JointMotion;
-use crate::scene::{MotionAnswer, MotionMemory};
+use crate::scene::{MotionAnswer, MotionMemory, Scene, SceneError};
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 use core::num::NonZeroU32;
 
 impl PlanningScene {
     /// Is the straight motion from one configuration to another free at all times
-    /// ([`Scene::check_motion`](crate::Scene::check_motion))? Continuous joints take the shorter way around.
+    /// ([`Scene::check_motion`])? Continuous joints take the shorter way around.
     ///
     /// # Errors
     /// As [`PlanningScene::is_free`], for either end.
@@ -26,7 +27,7 @@ impl PlanningScene {
     }
 
     /// As [`PlanningScene::check_motion`], at samples only, `parts + 1` of them, which proves nothing about the times
-    /// between them ([`Scene::check_motion_discrete`](crate::Scene::check_motion_discrete)).
+    /// between them ([`Scene::check_motion_discrete`]).
     ///
     /// # Errors
     /// As [`PlanningScene::check_motion`].
@@ -59,12 +60,12 @@ impl PlanningScene {
         workspace: &mut Workspace,
         ends: [&[f64]; 2],
         check: impl FnOnce(
-            &mut crate::Scene<'static, super::Node>,
+            &mut Scene<'static, PlanningNode>,
             &mut JointMotion<'_>,
             &mut MotionMemory<'_>,
-        ) -> Result<MotionAnswer, crate::scene::SceneError>,
+        ) -> Result<MotionAnswer, SceneError>,
     ) -> Result<MotionAnswer, PlanningError> {
-        workspace.serve(self);
+        self.serve(workspace);
         workspace.reserve_motion();
         let Workspace { scene, links, poses, values: [now, from, to], waiting, .. } = workspace;
         self.complete(ends[0], from)?;

@@ -23,6 +23,12 @@ enum Known {
     OutOfBudget,
 }
 
+/// Times that are tested before pairs are certified in intervals that are too long for it: most hits are found there.
+/// The end comes first, since a planner seldom starts at a hit; the others are the middles of the intervals from 2 to
+/// [`FIRST_UNTESTED`].
+const FIRST_TIMES: [f64; 7] = [1.0, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875];
+const FIRST_UNTESTED: u32 = 8;
+
 /// Longest motion bound, for bodies of these radii, at which a distance query pays: over longer ones, it seldom
 /// certifies bodies that come near each other at all. Half of the smaller body's radius, which counts as at least a
 /// tenth of the larger one's. For two points any bound that does not overflow.
@@ -48,23 +54,33 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
     ) -> Result<MotionAnswer, SceneError> {
         let mut found = MotionAnswer::new();
         let mut unresolved = Unresolved(None);
+        if self.ends_at(0.5, &mut found)? {
+            return Ok(found);
+        }
         self.gather(&mut queue, &mut unresolved)?;
+        let mut are_first_times_tested = false;
         while let Some(MotionHit { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
-            // `gather` left the bodies at the middle of the first interval.
-            if interval > 1 {
-                self.go_to(middle)?;
-            }
-            found.times += 1;
             let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
-            // Most hits are found early, and end the search before any certification.
-            match self.first_hit(&queue, interval, &mut found)? {
-                SceneVerdict::Hit(hit) => {
-                    found.verdict = MotionVerdict::Hit { hit, time: middle };
-                    return Ok(found);
+            if !are_first_times_tested && (interval > 1 || self.is_long(&queue)) {
+                are_first_times_tested = true;
+                for time in FIRST_TIMES {
+                    if self.ends_at(time, &mut found)? {
+                        return Ok(found);
+                    }
                 }
-                SceneVerdict::Unknown => queue.give_up(&mut unresolved),
-                SceneVerdict::Free => {}
+            }
+            self.go_to(middle)?;
+            if interval >= FIRST_UNTESTED {
+                found.times += 1;
+                match self.first_hit(&queue, interval, &mut found)? {
+                    SceneVerdict::Hit(hit) => {
+                        found.verdict = MotionVerdict::Hit { hit, time: middle };
+                        return Ok(found);
+                    }
+                    SceneVerdict::Unknown => queue.give_up(&mut unresolved),
+                    SceneVerdict::Free => {}
+                }
             }
             let mut near = 0;
             while let Some(pair) = queue.pop_of(interval) {
@@ -98,6 +114,30 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         Ok(found)
     }
 
+    /// Whether the first interval is too long to certify a pair by a distance query.
+    fn is_long(&self, queue: &MotionQueue<'_>) -> bool {
+        (0..queue.len).filter_map(|i| queue.get(i)).any(|pair| {
+            let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
+            motion_bound_of_pair(self.motion, slots, 0.0, 0.5)
+                > long_way(a.size.whole_reach(), b.size.whole_reach())
+        })
+    }
+
+    /// Whether two bodies meet at this time, or the budget runs out, either of which ends the search.
+    fn ends_at(&mut self, time: f64, found: &mut MotionAnswer) -> Result<bool, SceneError> {
+        self.go_to(time)?;
+        let answer = self.scene.collide(&self.query.after(&found.stats))?;
+        found.times += 1;
+        found.pairs += answer.pairs;
+        found.stats = found.stats.and(&answer.stats);
+        match answer.verdict {
+            SceneVerdict::Hit(hit) => found.verdict = MotionVerdict::Hit { hit, time },
+            SceneVerdict::Unknown => found.verdict = MotionVerdict::Unresolved { from: 0.0, to: 1.0 },
+            SceneVerdict::Free => return Ok(false),
+        }
+        Ok(true)
+    }
+
     pub(super) fn sample(mut self, parts: NonZeroU32) -> Result<MotionAnswer, SceneError> {
         let mut found = MotionAnswer::new();
         let parts = parts.get();
@@ -109,13 +149,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 continue;
             }
             let time = part as f64 / f64::from(parts);
-            self.go_to(time)?;
-            let answer = self.scene.collide(&self.query.after(&found.stats))?;
-            found.times += 1;
-            found.pairs += answer.pairs;
-            found.stats = found.stats.and(&answer.stats);
-            if let Some(hit) = answer.hit() {
-                found.verdict = MotionVerdict::Hit { hit, time };
+            if self.ends_at(time, &mut found)? {
                 return Ok(found);
             }
         }
@@ -128,10 +162,10 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// Queues the pairs whose boxes come near each other at any time. Leaves the bodies at the middle of all times.
+    /// Queues the pairs whose boxes come near each other at any time. The bodies are at the middle of all times; their
+    /// boxes are left widened.
     fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
-        let (middle, span) = Interval(1).middle();
-        self.go_to(middle)?;
+        let (_, span) = Interval(1).middle();
         for i in 0..self.scene.memory.slots.len() {
             let slot = &self.scene.memory.slots[i];
             if let Some(carrier) = slot.carrier
@@ -154,8 +188,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 }
             }
         }
-        // Restores the boxes, which were widened above.
-        self.scene.place_all(self.moving, self.poses)
+        Ok(())
     }
 
     /// The first pair that meets at the current poses, of those pending for an interval.
