@@ -173,6 +173,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
             {
                 let path = self.motion.motion_bound(carrier as usize, &slot.size.ball(&slot.world), span);
                 let bounds = widened(&self.scene.memory.bounds(i), finite_or_infinite(path));
+                self.scene.memory.slots[i].bound = (1, finite_or_infinite(path));
                 self.scene.memory.set_bounds(i, bounds);
             }
         }
@@ -214,12 +215,21 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
     }
 
     /// Whether a pair that does not meet at the current poses is free within `span` of the current time.
-    fn certify(&self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
-        let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
-        let path = motion_bound_of_pair(self.motion, slots, 0.0, span);
+    fn certify(&mut self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
         let candidate = self.scene.pair_now(pair.a, pair.b);
         // 1e-6 covers the rounding of the `f32` depth.
-        if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
+        let are_boxes_apart = |path: f64| f64::from(-candidate.depth) > path * (1.0 + 1e-6);
+        // Two bounds of one body each are looser than that of the pair, and computed once for all pairs.
+        let apart = self.bound_of(pair.a, pair.interval, span) + self.bound_of(pair.b, pair.interval, span);
+        if are_boxes_apart(apart) {
+            return Ok(Known::Free);
+        }
+        let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
+        let path = match (a.carrier, b.carrier) {
+            (Some(_), Some(_)) => motion_bound_of_pair(self.motion, slots, 0.0, span),
+            _ => apart,
+        };
+        if are_boxes_apart(path) {
             return Ok(Known::Free);
         }
         if path > long_way(a.size.whole_reach(), b.size.whole_reach()) {
@@ -233,6 +243,18 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
             Verdict::Unknown { .. } => Known::OutOfBudget,
             Verdict::Hit(_) => Known::Near,
         })
+    }
+
+    /// Motion bound of one body within `span` of the current time, the middle of an interval. Zero if it stands still.
+    /// `gather` replaced the bounds of earlier motions by those of interval 1.
+    fn bound_of(&mut self, body: u32, interval: u32, span: f64) -> f64 {
+        let slot = &mut self.scene.memory.slots[body as usize];
+        let Some(carrier) = slot.carrier else { return 0.0 };
+        if slot.bound.0 != interval {
+            let bound = self.motion.motion_bound(carrier as usize, &slot.size.ball(&slot.world), span);
+            slot.bound = (interval, finite_or_infinite(bound));
+        }
+        slot.bound.1
     }
 
     fn ask_within(
