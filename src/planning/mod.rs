@@ -29,6 +29,7 @@ mod motions;
 mod objects;
 mod pairs;
 mod placement;
+mod plan;
 mod scene;
 mod workspace;
 
@@ -36,6 +37,7 @@ pub use error::PlanningError;
 pub use files::{RobotFiles, located};
 pub use geometry::LinkGeometry;
 pub use model::RobotModel;
+pub use plan::{Plan, PlanSettings};
 pub use scene::PlanningScene;
 pub use workspace::Workspace;
 
