@@ -123,7 +123,9 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         })
     }
 
+    // Not inlined, as the other steps: the stack of a search is that of its deepest step.
     /// Whether two bodies meet at this time, or the budget runs out, either of which ends the search.
+    #[inline(never)]
     fn ends_at(&mut self, time: f64, found: &mut MotionAnswer) -> Result<bool, SceneError> {
         self.go_to(time)?;
         let answer = self.scene.collide(&self.query.after(&found.stats))?;
@@ -164,6 +166,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
 
     /// Queues the pairs whose boxes come near each other at any time. The bodies are at the middle of all times; their
     /// boxes are left widened.
+    #[inline(never)]
     fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (_, span) = Interval(1).middle();
         for i in 0..self.scene.memory.slots.len() {
@@ -215,6 +218,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
     }
 
     /// Whether a pair that does not meet at the current poses is free within `span` of the current time.
+    #[inline(never)]
     fn certify(&mut self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
         let candidate = self.scene.pair_now(pair.a, pair.b);
         // 1e-6 covers the rounding of the `f32` depth.
