@@ -7,7 +7,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 use core::time::Duration;
 use serde::Serialize;
-use simdop::construct::{Builder, Mesh, Progress, SphereSet};
+use simdop::construct::{Builder, ConvexHull, Mesh, Progress, SphereSet};
 use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
 use simdop::node::{Dop, Link, Node16};
@@ -103,6 +103,28 @@ pub(super) struct Body {
     pub(super) build: Option<Duration>,
 }
 
+/// A file that a body is made from.
+#[derive(Clone, Debug)]
+pub(super) struct BodyFile {
+    pub(super) path: PathBuf,
+    /// Whether the body is the convex hull of its points.
+    pub(super) is_hull: bool,
+}
+
+impl BodyFile {
+    /// As on the command line.
+    pub(super) fn name(&self) -> String {
+        format!("{}{}", if self.is_hull { "hull:" } else { "" }, self.path.display())
+    }
+
+    /// The options for this file.
+    fn options(&self, options: &TreeOptions) -> TreeOptions {
+        let mut options = options.clone();
+        options.hull |= self.is_hull;
+        options
+    }
+}
+
 /// Files smaller than this are read instantly, in a user's eyes.
 const LONG_READ: usize = 4 << 20;
 /// Meshes of fewer triangles than this are built instantly.
@@ -117,7 +139,8 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
         Ok(Source::Tree(Box::new(tree)))
     } else {
         let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
-        mesh::read(path, &bytes, empty).map(Source::Mesh)
+        let read = if options.hull { mesh::corners } else { mesh::read };
+        read(path, &bytes, empty).map(Source::Mesh)
     }
 }
 
@@ -166,7 +189,7 @@ pub(super) fn rounded_up(width: f64) -> f64 {
     if near < width { digits(near + step) } else { near }
 }
 
-/// Builds the tree of a mesh.
+/// Builds the tree of a mesh, or of its hull.
 pub(super) fn build(
     name: String,
     mesh: &MeshData,
@@ -174,6 +197,10 @@ pub(super) fn build(
     node: NodeType,
     quiet: bool,
 ) -> Result<Body, Error> {
+    let (start, failed) = (Instant::now(), |error| Error::Build { name: name.clone(), error });
+    let hull = options.hull.then(|| ConvexHull::of(&mesh.vertices)).transpose().map_err(failed)?;
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let mesh = hull.as_ref().map_or(mesh, |hull| hull.mesh.as_mesh());
     let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, node.arity);
     let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
     let mut observer = |_: Progress| {
@@ -181,18 +208,15 @@ pub(super) fn build(
         bar.set_position((bar.position() + 1).min(levels));
         ControlFlow::Continue(())
     };
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let is_solid = hull.as_ref().map_or(options.solid, |hull| hull.is_solid);
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let builder = if options.without_normal_slabs { builder.without_normal_slabs() } else { builder };
     let builder = match options.cap {
-        Some(width) => builder.solid_with_caps(width),
-        None if options.solid => builder.solid(),
-        None => builder,
+        Some(width) if hull.is_none() => builder.solid_with_caps(width),
+        _ if is_solid => builder.solid(),
+        _ => builder,
     };
-    let start = Instant::now();
-    let tree = builder
-        .build_any(&mesh, node, &mut observer)
-        .map_err(|error| Error::Build { name: name.clone(), error })?;
+    let tree = builder.build_any(&mesh, node, &mut observer).map_err(failed)?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }
 
@@ -216,43 +240,45 @@ pub(super) fn node_type(options: &TreeOptions, given: Option<NodeType>) -> NodeT
 /// [`pair`] and the built-in scene guarantee this of two bodies.
 pub(super) const SAME: &str = "bodies of one node type";
 
-/// A file's contents, and the time it took to read it.
-fn timed(path: &Path, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
+/// A file's contents, and the time it took to read it. If the hull of a tree is asked for, the mesh of the tree.
+fn timed(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
     let start = Instant::now();
-    Ok((read(path, options, quiet)?, start.elapsed()))
+    let source = read(&file.path, &file.options(options), quiet)?;
+    let source = if file.is_hull { Source::Mesh(source.into_mesh()) } else { source };
+    Ok((source, start.elapsed()))
 }
 
 /// Two bodies of one node type, from files that may hold trees.
-pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
-    let [a, b] = [timed(paths[0], options, quiet)?, timed(paths[1], options, quiet)?];
+pub(super) fn pair(files: [&BodyFile; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
+    let [a, b] = [timed(files[0], options, quiet)?, timed(files[1], options, quiet)?];
     if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
-        return Err(Error::idle(option, &paths[0].display()));
+        return Err(Error::idle(option, &files[0].path.display()));
     }
     let given = a.0.node_type().or_else(|| b.0.node_type());
     let node = node_type(options, given);
-    Ok([of_source(a, paths[0], options, node, quiet)?, of_source(b, paths[1], options, node, quiet)?])
+    Ok([of_source(a, files[0], options, node, quiet)?, of_source(b, files[1], options, node, quiet)?])
 }
 
 /// A body from a file that may hold a tree.
-pub(super) fn single(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Body, Error> {
-    let source = timed(path, options, quiet)?;
+pub(super) fn single(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<Body, Error> {
+    let source = timed(file, options, quiet)?;
     if let (Source::Tree(_), Some(option)) = (&source.0, options.first_given()) {
-        return Err(Error::idle(option, &path.display()));
+        return Err(Error::idle(option, &file.path.display()));
     }
     let node = node_type(options, source.0.node_type());
-    of_source(source, path, options, node, quiet)
+    of_source(source, file, options, node, quiet)
 }
 
 fn of_source(
     (source, time): (Source, Duration),
-    path: &Path,
+    file: &BodyFile,
     options: &TreeOptions,
     node: NodeType,
     quiet: bool,
 ) -> Result<Body, Error> {
-    let name = path.display().to_string();
+    let name = file.name();
     let body = match source {
-        Source::Mesh(mesh) => build(name, &mesh, options, node, quiet)?,
+        Source::Mesh(mesh) => build(name, &mesh, &file.options(options), node, quiet)?,
         Source::Tree(tree) if tree.view().node_type() == node => {
             Body { name, tree: *tree, read: None, build: None }
         }

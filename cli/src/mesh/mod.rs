@@ -66,6 +66,16 @@ pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, 
     Ok(mesh)
 }
 
+/// Reads a mesh for the points of it, by the file's extension, or a cloud, which becomes a mesh without triangles.
+pub(crate) fn corners(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, Error> {
+    let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    let is_cloud = is("xyz") || is("ply") && read(path, bytes, Empty::Allowed)?.triangles.is_empty();
+    if is_cloud {
+        return Ok(MeshData { vertices: points(path, bytes)?, triangles: Vec::new() });
+    }
+    read(path, bytes, empty)
+}
+
 /// Reads the points of a cloud, by the file's extension. At least one, all within the range of `f32`.
 pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
