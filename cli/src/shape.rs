@@ -52,7 +52,8 @@ fn parse(path: PathBuf) -> Result<Given, String> {
         // A single letter is a drive.
         _ if kind.len() > 1 && kind.bytes().all(|c| c.is_ascii_alphabetic()) && !path.exists() => {
             return Err(format!(
-                "{kind} is not a shape: box, sphere, capsule, cylinder, cone, plane and hull are; nor is there such a file"
+                "{kind} is not a shape: box, sphere, capsule, cylinder, cone, plane and hull are; nor is there such a \
+                 file"
             ));
         }
         _ => return Ok(Given::File(BodyFile { path, is_hull: false })),

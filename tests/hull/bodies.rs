@@ -25,11 +25,8 @@ fn shape(rng: &mut Rng) -> Shape {
 }
 
 fn pose(rng: &mut Rng) -> Pose {
-    let turn = if rng.below(2) == 0 {
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    } else {
-        rng.rotation()
-    };
+    let turn =
+        if rng.below(2) == 0 { [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] } else { rng.rotation() };
     let t = [(); 3].map(|()| 0.25 * rng.int(-7, 7) as f64);
     Pose::from_rows([0, 1, 2].map(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
 }
@@ -54,7 +51,13 @@ fn hull_is_the_shape(points: &[Point], whole: &Shape, is_solid: bool, rng: &mut 
         let found = query.distance_shape(&shape, &hull, &pose, 0.0, f64::INFINITY).unwrap();
         let truth = separation(&moved, whole, f64::INFINITY, 0.0).unwrap();
         assert!(found.lower <= truth.upper && truth.lower <= found.upper, "{moved:?} {found:?} {truth:?}");
-        counts[if !meets { 0 } else if found.witness.is_some_and(|w| w.a == w.b) { 1 } else { 2 }] += 1;
+        counts[if !meets {
+            0
+        } else if found.witness.is_some_and(|w| w.a == w.b) {
+            1
+        } else {
+            2
+        }] += 1;
     }
     assert!(counts[0] > 500 && counts[1] + counts[2] > 300, "{counts:?}");
 }
@@ -62,8 +65,9 @@ fn hull_is_the_shape(points: &[Point], whole: &Shape, is_solid: bool, rng: &mut 
 #[test]
 fn the_hull_of_a_cuboids_corners_is_the_cuboid() {
     let mut rng = Rng::new(11);
-    let mut corners: Vec<Point> =
-        (0..8).map(|i| [0, 1, 2].map(|k| [1.0, 0.75, 0.5][k] * if i >> k & 1 == 0 { 1.0 } else { -1.0 })).collect();
+    let mut corners: Vec<Point> = (0..8)
+        .map(|i| [0, 1, 2].map(|k| [1.0, 0.75, 0.5][k] * if i >> k & 1 == 0 { 1.0 } else { -1.0 }))
+        .collect();
     // What is inside, in a side or in an edge changes nothing.
     corners.extend([[0.0; 3], [1.0, 0.25, 0.0], [1.0, 0.75, 0.0]]);
     let cuboid = Shape::cuboid([2.0, 1.5, 1.0]).unwrap();
@@ -73,7 +77,8 @@ fn the_hull_of_a_cuboids_corners_is_the_cuboid() {
     let speck = Shape::cuboid([0.125; 3]).unwrap();
     let query = Query::new(Isa::detect());
     assert!(query.collide_shape(&speck, &hull, &Pose::IDENTITY).hit().is_some(), "inside");
-    let surface = Builder::new().build(&simdop::construct::ConvexHull::of(&corners).unwrap().mesh.as_mesh()).unwrap();
+    let surface =
+        Builder::new().build(&simdop::construct::ConvexHull::of(&corners).unwrap().mesh.as_mesh()).unwrap();
     assert!(query.collide_shape(&speck, &surface, &Pose::IDENTITY).is_free());
 }
 

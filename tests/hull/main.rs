@@ -54,18 +54,17 @@ fn hulls_of_large_sets_are_those_of_integers() {
     };
     let sphere: Vec<Point> = (0..2000).map(|_| ball(1e6, false)).collect();
     let full: Vec<Point> = (0..20_000).map(|_| ball(1e6, true)).collect();
-    let side = |i: usize| move |p: Point| [0, 1, 2].map(|k| if k == i % 3 { 30.0 * (i % 2) as f64 } else { p[k] });
+    let side =
+        |i: usize| move |p: Point| [0, 1, 2].map(|k| if k == i % 3 { 30.0 * (i % 2) as f64 } else { p[k] });
     let cube: Vec<Point> = (0..6000).map(|i| side(i)(ball(14.0, true).map(|x| x + 15.0))).collect();
-    let grid: Vec<Point> =
-        (0..8000).map(|i| [i % 20, i / 20 % 20, i / 400].map(f64::from)).collect();
+    let grid: Vec<Point> = (0..8000).map(|i| [i % 20, i / 20 % 20, i / 400].map(f64::from)).collect();
     let rim = (0..1500).map(|_| ball(1e6, false)).map(|[x, y, _]| {
         let length = x.hypot(y);
         [(1e6 * x / length).round(), (1e6 * y / length).round(), 0.0]
     });
     let cones: Vec<Point> = rim.chain([[0.0, 0.0, 5e5], [0.0, 0.0, -1.0]]).collect();
-    let far: Vec<Point> = (0..2000)
-        .map(|i| ball(20.0, false).map(|x| x + if i % 2 == 0 { 1e6 } else { -1e6 }))
-        .collect();
+    let far: Vec<Point> =
+        (0..2000).map(|i| ball(20.0, false).map(|x| x + if i % 2 == 0 { 1e6 } else { -1e6 })).collect();
     for (name, points, least) in [
         ("sphere", sphere, 1900),
         ("ball", full, 500),
@@ -89,7 +88,8 @@ fn scale_changes_nothing() {
         let points = random_set(i % 4, &mut rng);
         let hull = ConvexHull::of(&points).unwrap();
         for factor in [MIN_COORDINATE, MAX_COORDINATE / 1024.0] {
-            let scaled = |points: &[Point]| -> Vec<Point> { points.iter().map(|p| p.map(|x| factor * x)).collect() };
+            let scaled =
+                |points: &[Point]| -> Vec<Point> { points.iter().map(|p| p.map(|x| factor * x)).collect() };
             let other = ConvexHull::of(&scaled(&points)).unwrap();
             assert_eq!(other.mesh.triangles, hull.mesh.triangles);
             assert_eq!(other.mesh.vertices, scaled(&hull.mesh.vertices));

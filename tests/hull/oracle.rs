@@ -20,7 +20,11 @@ impl Integer for i128 {}
 fn parts(x: f64) -> (i64, i32) {
     let bits = x.to_bits();
     let (m, e) = ((bits & ((1 << 52) - 1) | 1 << 52) as i64, (bits >> 52 & 0x7ff) as i32 - 1075);
-    if x == 0.0 { (0, i32::MAX) } else { (if x < 0.0 { -m } else { m } >> m.trailing_zeros(), e + m.trailing_zeros() as i32) }
+    if x == 0.0 {
+        (0, i32::MAX)
+    } else {
+        (if x < 0.0 { -m } else { m } >> m.trailing_zeros(), e + m.trailing_zeros() as i32)
+    }
 }
 
 /// Normal numbers, as multiples of one power of two.

@@ -115,7 +115,9 @@ fn hulls_are_solid_unless_they_are_flat() {
     }
 
     // A ball at the centre of the cube is inside, and at its side it touches.
-    for (b, is_hull) in [("hull:cube.xyz", true), ("hull:cube.tree", true), ("cube.tree", true), ("hull:flat.xyz", false)] {
+    for (b, is_hull) in
+        [("hull:cube.xyz", true), ("hull:cube.tree", true), ("cube.tree", true), ("hull:flat.xyz", false)]
+    {
         for (x, code) in [("0.75", 1), ("1.25", 1), ("1.2500000000000002", 0)] {
             let pose = format!("1 0 0 {x}  0 1 0 0.5  0 0 1 0.5");
             let (found, message) = folder.fate(&["collide", "sphere:0.25", b, "--pose", &pose]);
@@ -130,7 +132,10 @@ fn hulls_are_solid_unless_they_are_flat() {
 
     for (arguments, start) in [
         (&["build", "cube.xyz", "-o", "no.tree"][..], "simdop: cube.xyz: neither a tree nor a mesh"),
-        (&["build", "cube.xyz", "--hull", "--cap", "1", "-o", "no.tree"], "error: the argument '--hull' cannot"),
+        (
+            &["build", "cube.xyz", "--hull", "--cap", "1", "-o", "no.tree"],
+            "error: the argument '--hull' cannot",
+        ),
         (&["build", "cube.xyz", "--hull", "--solid", "-o", "no.tree"], "error: the argument '--hull' cannot"),
         (&["collide", "cube.tree", "cube.tree", "--hull", pose[0], pose[1]], "simdop: "),
     ] {
