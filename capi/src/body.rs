@@ -318,8 +318,8 @@ pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
     })
 }
 
-/// Builds the convex hull of points, in any order, of which any may coincide, as a solid of triangles. `points` holds x,
-/// y, z for each of `count` points. It is exact: its corners are points, and no point is outside. The hull of points in
+/// Builds the convex hull of points as a solid of triangles. `points` holds x, y, z for each of `count` points, in any
+/// order; they may coincide. The hull is exact: its corners are points, and no point is outside. The hull of points in
 /// one plane is a surface, and that of none is empty.
 ///
 /// # Safety

@@ -56,10 +56,10 @@ enum Command {
     /// A and B are meshes (.obj, .off, .ply, .stl), trees made by `simdop build`, or shapes, which are exactly what
     /// their numbers say: box:X,Y,Z (side lengths), sphere:R, capsule:R,H, cylinder:R,H and cone:R,H, about the origin
     /// and along z, and plane:NX,NY,NZ,D (all points p with N . p <= D). The height of a capsule is the distance of the
-    /// centres of its hemispheres. hull:FILE is the convex hull of the points of a mesh, a tree or a cloud (.ply, .xyz).
-    /// Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the inverse of the pose moves it.
-    /// Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For several poses it is 0.
-    /// For errors it is 2.
+    /// centres of its hemispheres. hull:FILE is the convex hull of the points of a mesh, tree or cloud (.ply, .xyz).
+    /// Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the inverse of the pose moves
+    /// it. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For several poses it
+    /// is 0. For errors it is 2.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     ///

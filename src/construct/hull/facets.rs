@@ -162,8 +162,11 @@ impl<'a> Facets<'a> {
         self.begins[from as usize] = new;
     }
 
-    /// Finds the points that a new facet sees. It lies between two facets at one of its edges, so what it sees, one of
-    /// the two does.
+    /// Finds the points that a new facet sees. It lies between two facets at one of its edges: what it sees, one of the
+    /// two does, and what both see, it does.
+    ///
+    /// So each point outside of the new hull is seen by the facet that `seen_by` says. What sees it is connected: if only
+    /// the region did, a new facet does; otherwise two facets at an edge of the border do, and the new one between them.
     fn find(&mut self, corners: [u32; 3], [inside, beyond]: [u32; 2], new: u32) {
         self.found.clear();
         let mut inside = &*self.facets[inside as usize].outside;
@@ -179,7 +182,6 @@ impl<'a> Facets<'a> {
             }
             if let Some(rest) = stays.strip_prefix(&[other]) {
                 stays = rest;
-                self.seen_by[other as usize] = beyond;
             }
             // The inserted point is a corner.
             if self.height(corners, other) > 0.0 {

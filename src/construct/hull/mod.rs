@@ -3,6 +3,7 @@
 mod facets;
 mod fan;
 mod flat;
+mod order;
 mod orientation;
 mod polygons;
 
@@ -12,6 +13,7 @@ use crate::primitive::Triangles;
 use crate::range::{Point, flush};
 use alloc::vec::Vec;
 use facets::Facets;
+use order::reorder;
 use orientation::{area, compare, height, projected};
 
 /// The convex hull of points, as triangles.
@@ -28,7 +30,7 @@ use orientation::{area, compare, height, projected};
 ///
 /// The points are inserted in a fixed pseudorandom order, and each facet has a list of the points outside of it
 /// (Clarkson and Shor, *Applications of random sampling in computational geometry II*, 1989). For n points this takes
-/// an expected time of `n log n`, and an expected room of n; both are at most the square of n.
+/// an expected time of `n log n`, and an expected room of n; both are at most about the square of n.
 ///
 /// ```
 /// use simdop::construct::ConvexHull;
@@ -55,8 +57,8 @@ impl ConvexHull {
     /// [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) become zero.
     ///
     /// # Errors
-    /// [`BuildError::Vertex`] with the index of a point that is NaN, infinite or out of range; [`BuildError::TooLarge`];
-    /// [`BuildError::TooSmall`].
+    /// [`BuildError::Vertex`] with the index of a point that is NaN, infinite or out of range;
+    /// [`BuildError::TooLarge`]; [`BuildError::TooSmall`].
     pub fn of(points: &[Point]) -> Result<Self, BuildError> {
         // There are up to twice as many facets, which have indices.
         if points.len() > (u32::MAX / 4) as usize {
@@ -75,7 +77,7 @@ impl ConvexHull {
             [_, _] => OwnedMesh { vertices: corners.clone(), triangles: alloc::vec![[0, 1, 1]] },
             [p, q, r] => flat::hull(flushed, &[p, q, r]),
             _ => {
-                shuffle(&mut flushed);
+                reorder(&mut flushed);
                 let points = [corners.as_slice(), &flushed].concat();
                 polygons::mesh(&points, Facets::around(&points).facets())
             }
@@ -84,8 +86,8 @@ impl ConvexHull {
     }
 }
 
-/// Some of the points, which span what all of them span: one more than its dimension. Two are the ends of all that is on
-/// a line; more are far from each other.
+/// Some of the points, which span what all of them span: one more than its dimension. Two are the ends of all that is
+/// on a line; more are far from each other.
 fn spanning(points: &[Point]) -> Vec<Point> {
     let ends = (points.iter().copied().min_by(compare), points.iter().copied().max_by(compare));
     let (Some(p), Some(q)) = ends else { return Vec::new() };
@@ -111,17 +113,5 @@ fn spanning(points: &[Point]) -> Vec<Point> {
     match farthest(&|s| height([&p, &q, &r], s).abs()) {
         Some(s) => alloc::vec![p, q, r, s],
         None => alloc::vec![p, q, r],
-    }
-}
-
-/// A permutation that depends on the number of points only (Fisher and Yates, by `SplitMix64`).
-fn shuffle(points: &mut [Point]) {
-    let mut state = 0_u64;
-    for last in (1..points.len()).rev() {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let random = u128::from(z ^ (z >> 31));
-        points.swap(last, ((random * (last as u128 + 1)) >> 64) as usize);
     }
 }
