@@ -19,7 +19,7 @@ pub(super) struct Facet {
     pub(super) corners: [u32; 3],
     /// The facets beyond the edges from each corner to the next.
     pub(super) across: [u32; 3],
-    /// The points not yet inserted that it sees, ascending. Later points only, so the next one is the first.
+    /// The points not yet inserted that it sees, ascending: the next one is the first.
     outside: Box<[u32]>,
     is_gathered: bool,
 }
@@ -177,14 +177,15 @@ impl<'a> Facets<'a> {
                 ([p, ..], []) | ([], [p, ..]) => *p,
                 ([], []) => break,
             };
+            let is_seen_by_both = inside.first() == stays.first();
             if let Some(rest) = inside.strip_prefix(&[other]) {
                 inside = rest;
             }
             if let Some(rest) = stays.strip_prefix(&[other]) {
                 stays = rest;
             }
-            // The inserted point is a corner.
-            if self.height(corners, other) > 0.0 {
+            // The inserted point is a corner, which no facet beyond the border sees.
+            if is_seen_by_both || self.height(corners, other) > 0.0 {
                 self.found.push(other);
                 self.seen_by[other as usize] = new;
             }
