@@ -9,7 +9,7 @@ use simdop::primitive::Shape;
 use simdop::primitive::shape::{Core, is_within, meets, separation};
 use simdop::query::Query;
 
-/// A shape of a few quarters, which often touches others of this kind; `None` for about a half of them.
+/// A shape whose lengths are a few quarters, which often touches others of this kind.
 fn shape(rng: &mut Rng) -> Shape {
     let mut length = || 0.25 * rng.int(1, 6) as f64;
     let (x, y, z) = (length(), length(), length());
@@ -36,7 +36,7 @@ fn hull_is_the_shape(points: &[Point], whole: &Shape, is_solid: bool, rng: &mut 
     let hull = Builder::new().build_convex_hull(points).unwrap();
     assert_eq!(hull.view().header().is_solid, u16::from(is_solid));
     let query = Query::new(Isa::detect());
-    let mut counts = [0; 3];
+    let mut counts = [0; 2];
     for _ in 0..3000 {
         let (shape, pose) = (shape(rng), pose(rng));
         let moved = shape.moved(&pose);
@@ -51,15 +51,9 @@ fn hull_is_the_shape(points: &[Point], whole: &Shape, is_solid: bool, rng: &mut 
         let found = query.distance_shape(&shape, &hull, &pose, 0.0, f64::INFINITY).unwrap();
         let truth = separation(&moved, whole, f64::INFINITY, 0.0).unwrap();
         assert!(found.lower <= truth.upper && truth.lower <= found.upper, "{moved:?} {found:?} {truth:?}");
-        counts[if !meets {
-            0
-        } else if found.witness.is_some_and(|w| w.a == w.b) {
-            1
-        } else {
-            2
-        }] += 1;
+        counts[usize::from(meets)] += 1;
     }
-    assert!(counts[0] > 500 && counts[1] + counts[2] > 300, "{counts:?}");
+    assert!(counts[0] > 500 && counts[1] > 50, "{counts:?}");
 }
 
 #[test]
