@@ -102,6 +102,7 @@
 //! meshes. One shape needs no tree: [`query::Query::collide_shape`] tests it against a tree,
 //! [`primitive::shape::meets`] against another shape, and a scene takes it as a body. [`construct::ShapeSet`] builds
 //! one tree of many. Which verdicts are exact, and which are only certain if free, is listed in [`primitive::shape`].
+//! The convex hull of points is a solid of triangles, computed exactly ([`construct::Builder::build_convex_hull`]).
 //!
 //! **`Unknown`.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may run out of it and return [`query::Verdict::Unknown`]: the bodies may meet. If

@@ -937,6 +937,26 @@ simdop_error simdop_body_build_solid_with_caps(const double *vertices,
                                                simdop_body **body);
 
 /**
+ * Builds the convex hull of points as a solid of triangles. `points` holds x, y, z for each of `count` points, in any
+ * order; they may coincide. The hull is exact: its corners are points, and no point is outside. The hull of points in
+ * one plane is a surface, and that of none is empty.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_hull(const double *points,
+                                    size_t count,
+                                    simdop_body **body);
+
+/**
+ * Builds a body like simdop_body_build_hull(), with planes in `storage`, a simdop_storage.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_hull_as(const double *points, size_t count, int storage, simdop_body **body);
+
+/**
  * Writes what is capped of a body; zeros for a body without caps.
  */
 simdop_error simdop_body_caps(const simdop_body *body, simdop_caps *caps);

@@ -3,7 +3,7 @@
 use crate::boundary::{answered, checked, given, guarded, items, make};
 use crate::error::{Failure, simdop_error};
 use crate::shape::simdop_shape;
-use simdop::construct::{Builder, Mesh, ShapeSet, SphereSet};
+use simdop::construct::{Builder, ConvexHull, Mesh, ShapeSet, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header};
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
@@ -315,6 +315,42 @@ pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
         body_in!(storage, Mesh, Builder::new().solid_with_caps(width).build_as(&mesh)?)
+    })
+}
+
+/// Builds the convex hull of points as a solid of triangles. `points` holds x, y, z for each of `count` points, in any
+/// order; they may coincide. The hull is exact: its corners are points, and no point is outside. The hull of points in
+/// one plane is a surface, and that of none is empty.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_hull(
+    points: *const f64,
+    count: usize,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    // SAFETY: the caller gives the same guarantee.
+    unsafe { simdop_body_build_hull_as(points, count, FIXED, body) }
+}
+
+/// Builds a body like simdop_body_build_hull(), with planes in `storage`, a simdop_storage.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_hull_as(
+    points: *const f64,
+    count: usize,
+    storage: c_int,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || {
+        // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
+        let points = unsafe { items(points.cast(), count, "points") }?;
+        let hull = ConvexHull::of(points)?;
+        let builder = if hull.is_solid { Builder::new().solid() } else { Builder::new() };
+        body_in!(storage, Mesh, builder.build_as(&hull.mesh.as_mesh())?)
     })
 }
 

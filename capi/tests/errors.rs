@@ -14,7 +14,7 @@ use std::mem::{MaybeUninit, offset_of};
 use std::ptr::null;
 use support::robot::{faults, hinge};
 use support::{
-    BALL, IDENTITY, answer, bytes, capped, handle, open, shape, shapes, shapes_as, solid, spheres,
+    BALL, IDENTITY, answer, bytes, capped, handle, hull, open, shape, shapes, shapes_as, solid, spheres,
     spheres_as, surface, triangles_as,
 };
 
@@ -110,6 +110,10 @@ fn of_building() -> Vec<simdop_error> {
         // SAFETY: too many, or misaligned, which is detected before any is read.
         handle(|body| unsafe { simdop_body_build_spheres(first, count, body) }).unwrap_err()
     };
+    let of_hulls = [hull(&VERTICES, 2), hull(&[[0.0, f64::NAN, 0.0]], 0), hull(&[[1e-80; 3]], 0)];
+    let of_hulls = of_hulls.map(Result::unwrap_err);
+    let (storage, vertex) = (simdop_error::BuildNoSuchStorage, simdop_error::BuildVertex);
+    assert_eq!(of_hulls, [storage, vertex, simdop_error::BuildTooSmall]);
     let third = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
     let many = (vec![VERTICES[..3].to_vec(); 16_385].concat(), (0..16_385).map(third).collect::<Vec<_>>());
     let apart: Vec<_> = (0..).zip(&many.0).map(|(i, p)| [p[0], p[1], f64::from(i / 3)]).collect();
@@ -407,6 +411,10 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
         errors.push(handle(|body| build(null(), 0, indices, 1, 1.0, 0, body)).unwrap_err());
         errors.push(handle(|body| build(numbers, 4, null(), 0, 1.0, 0, body)).unwrap_err());
         errors.push(build(numbers, 4, indices, 1, 1.0, 0, None));
+        errors.push(handle(|body| simdop_body_build_hull(null(), 1, body)).unwrap_err());
+        errors.push(simdop_body_build_hull(numbers, 4, None));
+        errors.push(handle(|body| simdop_body_build_hull_as(null(), 1, 1, body)).unwrap_err());
+        errors.push(simdop_body_build_hull_as(numbers, 4, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres_as(null(), 1, 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres_as(numbers, 3, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());

@@ -6,7 +6,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 use core::time::Duration;
 use serde::Serialize;
-use simdop::construct::{Builder, Mesh, Progress, SphereSet};
+use simdop::construct::{Builder, ConvexHull, Mesh, Progress, SphereSet};
 use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
 use simdop::mesh_io::{self, FileError, MeshData};
@@ -103,6 +103,28 @@ pub(super) struct Body {
     pub(super) build: Option<Duration>,
 }
 
+/// A file that a body is made from.
+#[derive(Clone, Debug)]
+pub(super) struct BodyFile {
+    pub(super) path: PathBuf,
+    /// Whether the body is the convex hull of its points.
+    pub(super) is_hull: bool,
+}
+
+impl BodyFile {
+    /// As on the command line.
+    pub(super) fn name(&self) -> String {
+        format!("{}{}", if self.is_hull { "hull:" } else { "" }, self.path.display())
+    }
+
+    /// The options for this file.
+    fn options(&self, options: &TreeOptions) -> TreeOptions {
+        let mut options = options.clone();
+        options.hull |= self.is_hull;
+        options
+    }
+}
+
 /// Files smaller than this are read instantly, in a user's eyes.
 const LONG_READ: usize = 4 << 20;
 /// Meshes of fewer triangles than this are built instantly.
@@ -116,14 +138,24 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
         let tree = AnyBvh::from_bytes(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
         Ok(Source::Tree(Box::new(tree)))
     } else {
-        let mesh = mesh_io::read(path, &bytes).map_err(Error::content(path))?;
-        if mesh.triangles.is_empty() && !options.allow_empty {
+        let mesh = if options.hull { corners(path, &bytes) } else { mesh_io::read(path, &bytes) };
+        let mesh = mesh.map_err(Error::content(path))?;
+        if mesh.triangles.is_empty() && (mesh.vertices.is_empty() || !options.hull) && !options.allow_empty {
             // Usually a damaged file.
             let problem = "there is no triangle in the file (--allow-empty takes it for an empty body)";
             return Err(Error::content(path)(FileError::file(problem)));
         }
         Ok(Source::Mesh(mesh))
     }
+}
+
+/// Reads a mesh for the points of it, or a cloud, which becomes a mesh without triangles.
+fn corners(path: &Path, bytes: &[u8]) -> Result<MeshData, FileError> {
+    let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if is("xyz") || is("ply") && mesh_io::read(path, bytes)?.triangles.is_empty() {
+        return Ok(MeshData { vertices: mesh_io::points(path, bytes)?, triangles: Vec::new() });
+    }
+    mesh_io::read(path, bytes)
 }
 
 /// A file's name and contents. Without a file: a built-in gear.
@@ -171,7 +203,7 @@ pub(super) fn rounded_up(width: f64) -> f64 {
     if near < width { digits(near + step) } else { near }
 }
 
-/// Builds the tree of a mesh.
+/// Builds the tree of a mesh, or of its hull.
 pub(super) fn build(
     name: String,
     mesh: &MeshData,
@@ -179,6 +211,10 @@ pub(super) fn build(
     node: NodeType,
     quiet: bool,
 ) -> Result<Body, Error> {
+    let (start, failed) = (Instant::now(), |error| Error::Build { name: name.clone(), error });
+    let hull = options.hull.then(|| ConvexHull::of(&mesh.vertices)).transpose().map_err(failed)?;
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let mesh = hull.as_ref().map_or(mesh, |hull| hull.mesh.as_mesh());
     let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, node.arity);
     let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
     let mut observer = |_: Progress| {
@@ -186,18 +222,15 @@ pub(super) fn build(
         bar.set_position((bar.position() + 1).min(levels));
         ControlFlow::Continue(())
     };
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let is_solid = hull.as_ref().map_or(options.solid, |hull| hull.is_solid);
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let builder = if options.without_normal_slabs { builder.without_normal_slabs() } else { builder };
     let builder = match options.cap {
-        Some(width) => builder.solid_with_caps(width),
-        None if options.solid => builder.solid(),
-        None => builder,
+        Some(width) if hull.is_none() => builder.solid_with_caps(width),
+        _ if is_solid => builder.solid(),
+        _ => builder,
     };
-    let start = Instant::now();
-    let tree = builder
-        .build_any(&mesh, node, &mut observer)
-        .map_err(|error| Error::Build { name: name.clone(), error })?;
+    let tree = builder.build_any(&mesh, node, &mut observer).map_err(failed)?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }
 
@@ -221,43 +254,45 @@ pub(super) fn node_type(options: &TreeOptions, given: Option<NodeType>) -> NodeT
 /// [`pair`] and the built-in scene guarantee this of two bodies.
 pub(super) const SAME: &str = "bodies of one node type";
 
-/// A file's contents, and the time it took to read it.
-fn timed(path: &Path, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
+/// A file's contents, and the time it took to read it. If the hull of a tree is asked for, the mesh of the tree.
+fn timed(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
     let start = Instant::now();
-    Ok((read(path, options, quiet)?, start.elapsed()))
+    let source = read(&file.path, &file.options(options), quiet)?;
+    let source = if file.is_hull { Source::Mesh(source.into_mesh()) } else { source };
+    Ok((source, start.elapsed()))
 }
 
 /// Two bodies of one node type, from files that may hold trees.
-pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
-    let [a, b] = [timed(paths[0], options, quiet)?, timed(paths[1], options, quiet)?];
+pub(super) fn pair(files: [&BodyFile; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
+    let [a, b] = [timed(files[0], options, quiet)?, timed(files[1], options, quiet)?];
     if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
-        return Err(Error::idle(option, &paths[0].display()));
+        return Err(Error::idle(option, &files[0].path.display()));
     }
     let given = a.0.node_type().or_else(|| b.0.node_type());
     let node = node_type(options, given);
-    Ok([of_source(a, paths[0], options, node, quiet)?, of_source(b, paths[1], options, node, quiet)?])
+    Ok([of_source(a, files[0], options, node, quiet)?, of_source(b, files[1], options, node, quiet)?])
 }
 
 /// A body from a file that may hold a tree.
-pub(super) fn single(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Body, Error> {
-    let source = timed(path, options, quiet)?;
+pub(super) fn single(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<Body, Error> {
+    let source = timed(file, options, quiet)?;
     if let (Source::Tree(_), Some(option)) = (&source.0, options.first_given()) {
-        return Err(Error::idle(option, &path.display()));
+        return Err(Error::idle(option, &file.path.display()));
     }
     let node = node_type(options, source.0.node_type());
-    of_source(source, path, options, node, quiet)
+    of_source(source, file, options, node, quiet)
 }
 
 fn of_source(
     (source, time): (Source, Duration),
-    path: &Path,
+    file: &BodyFile,
     options: &TreeOptions,
     node: NodeType,
     quiet: bool,
 ) -> Result<Body, Error> {
-    let name = path.display().to_string();
+    let name = file.name();
     let body = match source {
-        Source::Mesh(mesh) => build(name, &mesh, options, node, quiet)?,
+        Source::Mesh(mesh) => build(name, &mesh, &file.options(options), node, quiet)?,
         Source::Tree(tree) if tree.view().node_type() == node => {
             Body { name, tree: *tree, read: None, build: None }
         }

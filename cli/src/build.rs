@@ -9,7 +9,7 @@ use clap::Args;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A mesh, or a tree: then the mesh that it was built from.
+    /// A mesh, or a tree: then the mesh that it was built from. With --hull also a cloud of points.
     mesh: File,
     /// The tree to write. An existing file is replaced atomically, once the tree is complete.
     #[arg(short, long, required_unless_present = "picture")]
@@ -54,15 +54,17 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let (header, stats) = (*body.tree.view().header(), body.tree.view().stats());
     let milliseconds = body.build.unwrap_or_default().as_secs_f64() * 1e3;
     let caps = CapsReport::of(body.tree.view().cap_stats());
+    let is_flat = options.tree.hull && header.is_solid == 0;
     let summary = format!(
-        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, {}built in {milliseconds:.1} ms",
+        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, {}{}built in {milliseconds:.1} ms",
         options.output.as_ref().unwrap_or(&options.mesh).display(),
         stats.primitives,
         header.vertex_count,
         body::vertex_format(&header),
         stats.nodes,
         stats.total_bytes,
-        caps.map_or_else(String::new, |caps| format!("{caps}, "))
+        caps.map_or_else(String::new, |caps| format!("{caps}, ")),
+        if is_flat { "a surface, since all points are in one plane, " } else { "" }
     );
     output::say(options.output.as_deref(), |out| writeln!(out, "{summary}"))
 }

@@ -55,9 +55,10 @@ enum Command {
     /// A and B are meshes (.obj, .off, .ply, .stl), trees made by `simdop build`, or shapes, which are exactly what
     /// their numbers say: box:X,Y,Z (side lengths), sphere:R, capsule:R,H, cylinder:R,H and cone:R,H, about the origin
     /// and along z, and plane:NX,NY,NZ,D (all points p with N . p <= D). The height of a capsule is the distance of the
-    /// centres of its hemispheres. Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the
-    /// inverse of the pose moves it. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted
-    /// first. For several poses it is 0. For errors it is 2.
+    /// centres of its hemispheres. hull:FILE is the convex hull of the points of a mesh, tree or cloud (.ply, .xyz).
+    /// Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the inverse of the pose moves
+    /// it. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For several poses it
+    /// is 0. For errors it is 2.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     ///
@@ -154,6 +155,10 @@ struct TreeOptions {
     /// Treat the mesh as a solid, so that what is wholly inside it is a hit. It must be closed.
     #[arg(long)]
     solid: bool,
+    /// Replace the mesh, or a cloud of points (.ply, .xyz), by the convex hull of its points, which is a solid unless
+    /// they are all in one plane.
+    #[arg(long, conflicts_with_all = ["solid", "cap"])]
+    hull: bool,
     /// Treat the mesh as a solid, and cap its holes, none of which may be wider than this: the greatest distance of two
     /// corners of a hole's border, in the mesh's unit.
     #[arg(long, value_name = "LENGTH", value_parser = length)]
@@ -182,6 +187,7 @@ impl TreeOptions {
             ("--splitter", self.splitter.is_some()),
             ("--without-normal-slabs", self.without_normal_slabs),
             ("--solid", self.solid),
+            ("--hull", self.hull),
             ("--cap", self.cap.is_some()),
             ("--allow-empty", self.allow_empty),
         ];

@@ -35,8 +35,8 @@ impl Bodies {
     pub(super) fn read(given: [&Given; 2], options: &TreeOptions, quiet: bool) -> Result<Self, Error> {
         match given {
             [Given::File(a), Given::File(b)] => Ok(Self::Trees(body::pair([a, b], options, quiet)?)),
-            [Given::Shape(shape), Given::File(path)] | [Given::File(path), Given::Shape(shape)] => {
-                let tree = Box::new(body::single(path, options, quiet)?);
+            [Given::Shape(shape), Given::File(file)] | [Given::File(file), Given::Shape(shape)] => {
+                let tree = Box::new(body::single(file, options, quiet)?);
                 let is_shape_b = matches!(given[1], Given::Shape(_));
                 Ok(Self::Mixed { shape: shape.clone(), tree, is_shape_b })
             }

@@ -1,5 +1,6 @@
-//! Shapes as bodies: `box:0.1,0.2,0.3` instead of a file.
+//! Shapes as bodies: `box:0.1,0.2,0.3` instead of a file, and `hull:FILE`.
 
+use super::body::BodyFile;
 use super::poses::numbers;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use simdop::primitive::Shape;
@@ -9,7 +10,7 @@ use std::path::PathBuf;
 /// A body on the command line.
 #[derive(Clone, Debug)]
 pub(super) enum Given {
-    File(PathBuf),
+    File(BodyFile),
     Shape(NamedShape),
 }
 
@@ -20,14 +21,14 @@ pub(super) struct NamedShape {
     pub(super) shape: Shape,
 }
 
-/// A shape, if the argument begins with its kind and a colon; otherwise a file.
+/// A shape or hull, if the argument begins with its kind and a colon; otherwise a file.
 pub(super) fn parser() -> impl TypedValueParser<Value = Given> {
     PathBufValueParser::new().try_map(parse)
 }
 
 fn parse(path: PathBuf) -> Result<Given, String> {
     let Some((kind, rest)) = path.to_str().and_then(|text| text.split_once(':')) else {
-        return Ok(Given::File(path));
+        return Ok(Given::File(BodyFile { path, is_hull: false }));
     };
     let shape = match kind {
         "box" => Shape::cuboid(numbers(rest, "X, Y and Z")?),
@@ -47,13 +48,15 @@ fn parse(path: PathBuf) -> Result<Given, String> {
             let [x, y, z, offset] = numbers(rest, "NX, NY, NZ and D")?;
             Shape::half_space([x, y, z], offset)
         }
+        "hull" => return Ok(Given::File(BodyFile { path: rest.into(), is_hull: true })),
         // A single letter is a drive.
         _ if kind.len() > 1 && kind.bytes().all(|c| c.is_ascii_alphabetic()) && !path.exists() => {
             return Err(format!(
-                "{kind} is not a shape: box, sphere, capsule, cylinder, cone and plane are; nor is there such a file"
+                "{kind} is not a shape: box, sphere, capsule, cylinder, cone, plane and hull are; nor is there such a \
+                 file"
             ));
         }
-        _ => return Ok(Given::File(path)),
+        _ => return Ok(Given::File(BodyFile { path, is_hull: false })),
     };
     let shape = shape.map_err(|error| error.to_string())?;
     Ok(Given::Shape(NamedShape { name: path.display().to_string(), shape }))
@@ -83,8 +86,9 @@ mod tests {
                 assert_eq!(named.name, text);
                 Some(named.shape)
             }
-            Ok(Given::File(path)) => {
-                assert_eq!(path.to_str(), Some(text));
+            Ok(Given::File(file)) => {
+                assert_eq!(file.name(), text);
+                assert_eq!(file.is_hull, text.starts_with("hull:"));
                 None
             }
             Err(problem) => panic!("{text}: {problem}"),
@@ -101,7 +105,7 @@ mod tests {
             let kind_of = kind(&want.unwrap());
             assert!(text.starts_with(kind_of), "{text} is a {kind_of}");
         }
-        for file in ["a.obj", "./box:1,2,3", "C:\\a.obj", "a.b:c", "box"] {
+        for file in ["a.obj", "./box:1,2,3", "C:\\a.obj", "a.b:c", "box", "hull:a.obj", "hull:b:c"] {
             assert_eq!(shape(file), None, "{file}");
         }
     }

@@ -2,11 +2,13 @@
 
 use super::bake::{Contents, bake};
 use super::error::BuildError;
+use super::hull::ConvexHull;
 use super::input::{Caps, Checked, Geometry, Mesh};
 use super::split::{Assignment, Items, Progress, Splitter};
 use crate::hierarchy::Bvh;
 use crate::node::{Dop, MAX_LEAF_SIZE, Node16};
 use crate::primitive::Primitive;
+use crate::range::Point;
 use core::borrow::Borrow;
 use core::ops::ControlFlow;
 
@@ -202,6 +204,32 @@ impl Builder {
     /// As [`Builder::build`].
     pub fn build_as<N: Dop>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Builds the convex hull of points, with k = 18 and arity 16. It is [solid](Builder::solid), whatever the builder
+    /// says, unless the points are all in one plane. [`ConvexHull`] makes the mesh alone, for other node types.
+    ///
+    /// ```
+    /// use simdop::primitive::Shape;
+    /// use simdop::{Builder, Isa, Pose, Query};
+    ///
+    /// let octahedron =
+    ///     [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    /// let hull = Builder::new().build_convex_hull(&octahedron)?;
+    /// let (ball, query) = (Shape::sphere(0.25)?, Query::new(Isa::detect()));
+    /// let up = |z| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]]);
+    /// assert!(query.collide_shape(&ball, &hull, &up(0.0)?).hit().is_some()); // inside
+    /// assert!(query.collide_shape(&ball, &hull, &up(1.25)?).hit().is_some()); // touches a corner
+    /// assert!(query.collide_shape(&ball, &hull, &up(1.25000001)?).is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`ConvexHull::of`] and [`Builder::build`].
+    pub fn build_convex_hull(&self, points: &[Point]) -> Result<Bvh<Node16<18>>, BuildError> {
+        let hull = ConvexHull::of(points)?;
+        let inside = if hull.is_solid { Inside::Solid } else { Inside::Surface };
+        Self { inside, ..*self }.build(&hull.mesh.as_mesh())
     }
 
     /// [`Builder::build`], calling `observer` after each level of the tree. The build stops if `observer` returns

@@ -12,6 +12,7 @@ mod cover;
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod hull;
 mod input;
 mod split;
 
@@ -23,6 +24,7 @@ pub use cover::CoverError;
 pub(crate) use cover::{ROUNDING as COVER_ROUNDING, check_error as check_cover_error, cut};
 pub use error::BuildError;
 pub(crate) use error::OpenEdge;
+pub use hull::ConvexHull;
 pub use input::{Caps, Geometry, Mesh, OwnedMesh, ShapeSet, SphereSet};
 pub(crate) use input::{Unclosed, check_closed};
 pub(crate) use split::assign_points;

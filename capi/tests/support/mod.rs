@@ -7,7 +7,7 @@ pub(crate) mod robot;
 
 pub(crate) use rng::Rng;
 
-use simdop::construct::{Builder, Mesh, OwnedMesh, ShapeSet, SphereSet};
+use simdop::construct::{Builder, ConvexHull, Mesh, OwnedMesh, ShapeSet, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::low_level::key::{Half, Storage};
 use simdop::node::Node16;
@@ -102,6 +102,11 @@ pub(crate) fn triangles_as(
     })
 }
 
+pub(crate) fn hull(points: &[[f64; 3]], storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|body| unsafe { simdop_body_build_hull_as(points.as_ptr().cast(), points.len(), storage, body) })
+}
+
 pub(crate) fn capped(mesh: &Mesh<'_>, width: f64, storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
     let (vertices, triangles) = (mesh.vertices, mesh.triangles);
     handle(|body| {
@@ -193,6 +198,14 @@ pub(crate) fn meshes_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S
     mesh.triangles.truncate(10);
     let rust = Builder::new().solid_with_caps(2.2).build_as(&mesh.as_mesh()).unwrap();
     all.push(Twice { c: Box::leak(capped(&mesh.as_mesh(), 2.2, number::<S>()).unwrap()), rust });
+    // A solid hull, and a flat one.
+    for flat in [1.0, 0.0] {
+        let points: Vec<_> = (0..30).map(|_| [1.0, 1.0, flat].map(|most| rng.range(-most, most))).collect();
+        let mesh = ConvexHull::of(&points).unwrap().mesh;
+        let builder = if flat == 0.0 { Builder::new() } else { Builder::new().solid() };
+        let rust = builder.build_as(&mesh.as_mesh()).unwrap();
+        all.push(Twice { c: Box::leak(hull(&points, number::<S>()).unwrap()), rust });
+    }
     all
 }
 

@@ -3,7 +3,7 @@
 use super::cloud::{self, Points};
 use super::options::Options;
 use super::timing::fastest;
-use crate::body::{self, Source};
+use crate::body;
 use crate::error::Error;
 use crate::shape::{Given, NamedShape};
 use crate::verdicts::Summary;
@@ -108,21 +108,15 @@ pub(super) fn run(given: &Given, options: &Options) -> Result<u8, Error> {
 
 impl Body {
     fn read(given: &Given, quiet: bool) -> Result<Self, Error> {
-        let path = match given {
-            Given::File(path) => path,
-            Given::Shape(named) => return Ok(Self::Shape(named.clone())),
-        };
-        if sphere_file::is_of_spheres(path) {
-            return Ok(Self::Spheres(sphere_file::read(path)?.1));
-        }
-        let options = TreeOptions::default();
-        Ok(Self::Mesh(match body::read(path, &options, quiet)? {
-            Source::Tree(tree) => tree,
-            Source::Mesh(mesh) => {
-                let (name, node) = (path.display().to_string(), body::node_type(&options, None));
-                Box::new(body::build(name, &mesh, &options, node, quiet)?.tree)
+        match given {
+            Given::Shape(named) => Ok(Self::Shape(named.clone())),
+            Given::File(file) if !file.is_hull && sphere_file::is_of_spheres(&file.path) => {
+                Ok(Self::Spheres(sphere_file::read(&file.path)?.1))
             }
-        }))
+            Given::File(file) => {
+                Ok(Self::Mesh(Box::new(body::single(file, &TreeOptions::default(), quiet)?.tree)))
+            }
+        }
     }
 
     fn near(
@@ -148,7 +142,7 @@ impl Body {
             Self::Shape(_) => (SHAPE, 1),
         };
         let name = match given {
-            Given::File(path) => path.display().to_string(),
+            Given::File(file) => file.name(),
             Given::Shape(named) => named.name.clone(),
         };
         BodyReport { name, kind, primitives }

@@ -29,7 +29,7 @@ pub(crate) struct Options {
     #[arg(short, long, value_name = "FILE", conflicts_with = "a")]
     pub(super) output: Option<File>,
     /// Test at each pose whether any point is near this body, A: a packing (.txt), whose spheres are solid, a mesh,
-    /// which is a surface, a tree, or a shape as for `simdop collide`, such as box:0.1,0.2,0.3. The cloud is B.
+    /// which is a surface, a tree, or a shape or hull as for `simdop collide`, such as box:0.1,0.2,0.3. The cloud is B.
     #[arg(id = "a", long = "body", value_name = "FILE", value_parser = shape::parser())]
     pub(super) body: Option<Given>,
     /// Distance from the body that counts as near; 0 means touching it, or being inside a sphere or shape.

@@ -89,6 +89,62 @@ fn a_closed_mesh_may_be_built_as_a_solid() {
     assert!(!folder.0.join("open.tree").exists());
 }
 
+/// The hull of a mesh, a tree or a cloud is a solid, and the hull of what is flat a surface, which the command says.
+#[test]
+fn hulls_are_solid_unless_they_are_flat() {
+    let folder = Folder::new("hull");
+    let corners = (0..8).map(|i| [0, 1, 2].map(|axis| f64::from(i >> axis & 1)));
+    let xyz = |points: &mut dyn Iterator<Item = [f64; 3]>| -> String {
+        points.map(|[x, y, z]| format!("{x} {y} {z}\n")).collect()
+    };
+    folder.write("cube.xyz", xyz(&mut corners.clone().chain([[0.5; 3], [1.0, 0.5, 0.5]])));
+    folder.write("flat.xyz", xyz(&mut corners.take(4)));
+    let said = |arguments: &[&str]| String::from_utf8(folder.run(arguments).stdout).unwrap();
+
+    let line = said(&["build", "cube.xyz", "--hull", "-o", "cube.tree"]);
+    assert!(line.starts_with("cube.tree: 12 triangles, 8 vertices in f32, "), "{line}");
+    let line = said(&["build", "flat.xyz", "--hull", "-o", "flat.tree"]);
+    assert!(line.contains(" bytes, a surface, since all points are in one plane, built in "), "{line}");
+    folder.write("strewn.off", off(&strewn(9, 60)));
+    assert_eq!(folder.fate(&["build", "strewn.off", "--hull", "-o", "strewn.tree"]), (0, String::new()));
+    let triangles = |tree: &str| folder.json(&["info", tree])["triangles"].as_u64().unwrap();
+    assert_eq!((triangles("cube.tree"), triangles("flat.tree")), (12, 2));
+    assert!((20..170).contains(&triangles("strewn.tree")));
+    for (tree, is_solid) in [("cube.tree", true), ("flat.tree", false), ("strewn.tree", true)] {
+        assert_eq!(folder.json(&["info", tree, "--verify"])["solid"], is_solid, "{tree}");
+    }
+
+    // A ball at the centre of the cube is inside, and at its side it touches.
+    for (b, is_hull) in
+        [("hull:cube.xyz", true), ("hull:cube.tree", true), ("cube.tree", true), ("hull:flat.xyz", false)]
+    {
+        for (x, code) in [("0.75", 1), ("1.25", 1), ("1.2500000000000002", 0)] {
+            let pose = format!("1 0 0 {x}  0 1 0 0.5  0 0 1 0.5");
+            let (found, message) = folder.fate(&["collide", "sphere:0.25", b, "--pose", &pose]);
+            assert_eq!((found, message), (if is_hull { code } else { 0 }, String::new()), "{b} {x}");
+        }
+    }
+    let pose = ["--pose", "1 0 0 0.5  0 1 0 0.5  0 0 1 0.5"];
+    let two = folder.json(&[&["collide", "hull:cube.xyz", "hull:strewn.off"], &pose[..]].concat());
+    assert_eq!((&two["a"]["name"], &two["a"]["triangles"]), (&"hull:cube.xyz".into(), &12.into()));
+    let near = folder.json(&["near", "cube.xyz", "--body", "hull:cube.xyz", pose[0], pose[1]]);
+    assert_eq!((&near["body"]["name"], &near["body"]["primitives"]), (&"hull:cube.xyz".into(), &12.into()));
+
+    for (arguments, start) in [
+        (&["build", "cube.xyz", "-o", "no.tree"][..], "simdop: cube.xyz: neither a tree nor a mesh"),
+        (
+            &["build", "cube.xyz", "--hull", "--cap", "1", "-o", "no.tree"],
+            "error: the argument '--hull' cannot",
+        ),
+        (&["build", "cube.xyz", "--hull", "--solid", "-o", "no.tree"], "error: the argument '--hull' cannot"),
+        (&["collide", "cube.tree", "cube.tree", "--hull", pose[0], pose[1]], "simdop: "),
+    ] {
+        let (code, message) = folder.fate(arguments);
+        assert!(code == 2 && message.starts_with(start), "{arguments:?}: {message}");
+    }
+    assert!(!folder.0.join("no.tree").exists());
+}
+
 /// Holes are capped on request only, as every command reports, and a tree keeps its caps when it is built again.
 #[test]
 fn holes_are_capped_on_request() {

@@ -147,3 +147,62 @@ fn scaled(v: &Point, by: f64) -> Point {
 fn size(v: &Point) -> f64 {
     (v[0].abs() + v[1].abs()) + v[2].abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use crate::vector::dot;
+
+    /// The greatest dot product of a direction with a point of a shape.
+    fn support(shape: &Shape, n: &Point) -> f64 {
+        let disc = |axis: &Point, radius: f64| radius * length(&cross(n, axis)) / length(axis);
+        let of_core = match &shape.core {
+            Core::Cuboid { centre, half } => {
+                dot(n, centre) + half.iter().map(|h| dot(n, h).abs()).sum::<f64>()
+            }
+            Core::Cylinder { centre, half_axis, radius } => {
+                dot(n, centre) + (dot(n, half_axis).abs() + disc(half_axis, *radius))
+            }
+            Core::Cone { base, axis, radius } => dot(n, base) + disc(axis, *radius).max(dot(n, axis)),
+            other => unreachable!("{other:?}"),
+        };
+        of_core + shape.radius * length(n)
+    }
+
+    /// A pose whose matrix is off a rotation by almost as much as is accepted, and the matrix.
+    fn skewed(rng: &mut Rng) -> (Pose, [Point; 3]) {
+        let (turn, most) = (rng.rotation(), 0.45 * Pose::TOLERANCE);
+        let skew = [(); 3].map(|()| [(); 3].map(|()| rng.range(-most, most)));
+        let rows = [0, 1, 2].map(|i| {
+            let column = |j: usize| dot(&skew[i], &[turn[0][j], turn[1][j], turn[2][j]]);
+            [0, 1, 2].map(|j| turn[i][j] + column(j))
+        });
+        let pose = Pose::from_rows(rows.map(|[x, y, z]| [x, y, z, rng.range(-1.0, 1.0)])).unwrap();
+        (pose, rows)
+    }
+
+    /// A moved hull contains the moved shape, also along the normals of the octagons' edges, where it is tight.
+    #[test]
+    fn moved_hulls_contain_the_moved_shapes() {
+        let mut rng = Rng::new(5);
+        for i in 0..20_000 {
+            let [x, y, z] = [(); 3].map(|()| rng.range(0.1, 2.0));
+            let shape = [Shape::cylinder(x, y), Shape::cone(x, y), Shape::cuboid([x, y, z])][i % 3].unwrap();
+            let shape = if rng.below(2) == 0 { shape } else { shape.widened(0.5 * z).unwrap() };
+            let (pose, rows) = skewed(&mut rng);
+            let (hull, moved) = (Hull::of(&shape), shape.moved(&pose));
+            // The axes of the shapes are z.
+            let [u, v] = across(&[0.0, 0.0, y], 1.0);
+            let (s, t) = *rng.pick(&[(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0)]);
+            let tilt = if rng.below(2) == 0 { 0.0 } else { rng.range(-3.0, 3.0) };
+            let side = [0, 1, 2].map(|k| (s * u[k] + t * v[k]) + tilt * f64::from(k == 2));
+            let n = rows.map(|row| dot(&row, &side));
+            for n in [n, scaled(&n, -1.0), [(); 3].map(|()| rng.range(-1.0, 1.0))] {
+                let reach = hull.corners().map(|p| dot(&n, &pose.apply(p))).fold(f64::NEG_INFINITY, f64::max);
+                let reach = reach + hull.radius * length(&n);
+                assert!(reach >= support(&moved, &n) - 1e-12, "{shape:?} {pose:?} {n:?}");
+            }
+        }
+    }
+}

@@ -18,6 +18,8 @@
 //! | the same with R > 0 | certain if free; a hit may be 2^-40 of the size apart |
 //! | cylinders and cones among each other | certain if free; a hit may be 2^-40 of the size apart |
 //!
+//! The convex hull of points is a body of triangles, with their exactness: `construct::ConvexHull`.
+//!
 //! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]).
 //!
 //! ```
