@@ -796,6 +796,15 @@ class scene {
         return detail::done(simdop_scene_forbid_collision(get(), a, b));
     }
 
+    result<bool> is_asked(body_id a, body_id b) const {
+        int is_asked = 0;
+        const simdop_error code = simdop_scene_is_asked(get(), a, b, &is_asked);
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        return is_asked != 0;
+    }
+
     result<simdop_scene_answer> collide(std::uint64_t budget = no_budget) const {
         return detail::answer<simdop_scene_answer>(
             [&](simdop_scene_answer *answer) { return simdop_scene_collide(get(), budget, answer); });

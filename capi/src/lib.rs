@@ -75,9 +75,9 @@ pub use scene::{
     simdop_scene_check_states, simdop_scene_classify_pair, simdop_scene_clearance,
     simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_create, simdop_scene_create_as,
     simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_forbid_collision,
-    simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_insert_cloud, simdop_scene_place,
-    simdop_scene_place_all, simdop_scene_remove, simdop_scene_within, simdop_scene_world_pose,
-    simdop_states_answer,
+    simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_insert_cloud,
+    simdop_scene_is_asked, simdop_scene_place, simdop_scene_place_all, simdop_scene_remove,
+    simdop_scene_within, simdop_scene_world_pose, simdop_states_answer,
 };
 pub use shape::{simdop_shape, simdop_shape_kind};
 pub use version::{SIMDOP_VERSION, simdop_version};

@@ -306,3 +306,19 @@ pub extern "C" fn simdop_scene_forbid_collision(
 ) -> simdop_error {
     change!(scene, |scene| scene.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b)))
 }
+
+/// Writes 1 to `is_asked` if the queries of the scene test a pair of bodies, and otherwise 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_is_asked(
+    scene: Option<&simdop_scene>,
+    a: simdop_body_id,
+    b: simdop_body_id,
+    is_asked: Option<&mut MaybeUninit<c_int>>,
+) -> simdop_error {
+    answered(is_asked, || {
+        let scene = &given(scene, "scene")?.scene;
+        let is_asked =
+            with_scene!(scene, |scene| scene.is_asked(BodyId::from_bits(a), BodyId::from_bits(b)))?;
+        Ok(is_asked.into())
+    })
+}

@@ -148,7 +148,9 @@ void scenes() {
     hand = must(scene.insert(box, simdop::translation(0, 0, 0), simdop::padded(0.25)));
     cup = must(scene.insert(box, simdop::translation(0, 0, 1), simdop::padded(0.25)));
     EXPECT(must(scene.collide()).verdict == SIMDOP_VERDICT_HIT);
+    EXPECT(must(scene.is_asked(hand, cup)));
     DO(scene.allow_collision(hand, cup));
+    EXPECT(!must(scene.is_asked(hand, cup)));
     DO(scene.attach(cup, hand));
     EXPECT(must(scene.collide()).verdict == SIMDOP_VERDICT_FREE);
     EXPECT(is_near(must(scene.clearance()).upper, 4.25));
