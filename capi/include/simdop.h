@@ -24,8 +24,8 @@
  * sets a new handle to NULL. simdop_error_text() describes a code; simdop_last_error() returns the full message of the
  * last failure.
  *
- * Pointers. NULL is an error, except where a handle is destroyed or NULL is said to be allowed. Any other pointer must point to as many items as
- * stated, which no thread writes during the call. No output may overlap an input.
+ * Pointers. NULL is an error, except where a handle is destroyed or NULL is said to be allowed. Any other pointer must
+ * point to as many items as stated, which no thread writes during the call. No output may overlap an input.
  *
  * Lifetimes. Opened bytes must exist, unchanged, until their body is destroyed. A body must exist until it is removed
  * from each scene it was inserted into, or the scene is destroyed. The same holds for a cloud, which must also not
@@ -37,8 +37,8 @@
  * Linking. CMakeLists.txt installs the library for CMake and pkg-config. Otherwise, with libsimdop_capi.so, or
  * libsimdop_capi.a and on Linux -lpthread -lm -ldl.
  *
- * Memory. Queries allocate nothing, except for the message of a failure, and for motions and
- * configurations: see SIMDOP_EDGE_ROOM and simdop_scene_check_states(). They use at most 64 KiB of stack.
+ * Memory. Queries allocate nothing, except for the message of a failure, and for motions and configurations: see
+ * SIMDOP_EDGE_ROOM and simdop_scene_check_states(). They use at most 64 KiB of stack.
  */
 
 #ifndef SIMDOP_H
@@ -1995,6 +1995,14 @@ simdop_error simdop_scene_allow_collision(simdop_scene *scene, simdop_body_id a,
  * Forbids two bodies to meet, whatever their groups: all queries of the scene test the pair.
  */
 simdop_error simdop_scene_forbid_collision(simdop_scene *scene, simdop_body_id a, simdop_body_id b);
+
+/**
+ * Writes 1 to `is_asked` if the queries of the scene test a pair of bodies, and otherwise 0.
+ */
+simdop_error simdop_scene_is_asked(const simdop_scene *scene,
+                                   simdop_body_id a,
+                                   simdop_body_id b,
+                                   int *is_asked);
 
 /**
  * Do the bodies of any tested pair meet? Stops after `budget` visits, summed over all pairs.
