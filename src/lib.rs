@@ -187,11 +187,15 @@ pub mod isa;
 mod kernel;
 mod key;
 pub mod low_level;
+#[cfg(feature = "mesh-io")]
+pub mod mesh_io;
 pub mod motion;
 pub mod node;
 #[cfg(feature = "alloc")]
 pub mod packing;
 mod parallel;
+#[cfg(feature = "planning")]
+pub mod planning;
 pub mod pose;
 pub mod primitive;
 pub mod query;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 14] = [
     &["range", "parallel", "vector"],
     &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
@@ -22,8 +22,9 @@ const LAYERS: [&[&str]; 13] = [
     &["device"],
     &["kernel", "construct"],
     &["query"],
-    &["cloud", "packing", "robot"],
+    &["cloud", "mesh_io", "packing", "robot"],
     &["scene"],
+    &["planning"],
     // Re-exports of internals.
     &["low_level"],
 ];

@@ -191,7 +191,7 @@ fn scene<S: Storage>(
     let mut rust = Scene::new();
     let (mut ids, mut places) = (Vec::new(), Vec::new());
     for i in 0..8 {
-        let (c_body, body) = *rng.pick(&bodies);
+        let (c_body, body) = rng.pick(&bodies).clone();
         let (mut far, _) = pose(rng);
         far.rows.iter_mut().for_each(|row| row[3] *= 3.0);
         let world = Pose::from_rows(far.rows).unwrap();

@@ -129,7 +129,7 @@ fn scenes_of<S: Storage>() {
             // Both succeed, or both fail.
             let (error, expected) = match if step < 5 { 0 } else { choice } {
                 0..=2 => {
-                    let (c_body, body) = *rng.pick(&bodies);
+                    let (c_body, body) = rng.pick(&bodies).clone();
                     let (radius, is_fixed) = (rng.range(0.0, 0.1), rng.below(4) == 0);
                     let groups = Groups { of: rng.u64() as u32 & 7, against: rng.u64() as u32 & 7 };
                     let role = simdop_role {

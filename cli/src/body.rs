@@ -1,7 +1,6 @@
 //! Bodies: a mesh or a tree of any node type from a file.
 
 use super::error::Error;
-use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, demo, progress};
 use core::fmt;
 use core::ops::ControlFlow;
@@ -10,6 +9,7 @@ use serde::Serialize;
 use simdop::construct::{Builder, Mesh, Progress, SphereSet};
 use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
+use simdop::mesh_io::{self, FileError, MeshData};
 use simdop::node::{Dop, Link, Node16};
 use simdop::primitive::{Primitive, Sphere, Spheres};
 use simdop::query::Query;
@@ -116,8 +116,13 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
         let tree = AnyBvh::from_bytes(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
         Ok(Source::Tree(Box::new(tree)))
     } else {
-        let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
-        mesh::read(path, &bytes, empty).map(Source::Mesh)
+        let mesh = mesh_io::read(path, &bytes).map_err(Error::content(path))?;
+        if mesh.triangles.is_empty() && !options.allow_empty {
+            // Usually a damaged file.
+            let problem = "there is no triangle in the file (--allow-empty takes it for an empty body)";
+            return Err(Error::content(path)(FileError::file(problem)));
+        }
+        Ok(Source::Mesh(mesh))
     }
 }
 

@@ -2,13 +2,13 @@
 
 use super::body::{self, CapsReport};
 use super::error::Error;
-use super::mesh::{self, MeshData};
 use super::{File, output, progress};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, CapStats};
+use simdop::mesh_io::{self, MeshData};
 use simdop::node::Node16;
 use simdop::packing::text;
 use simdop::primitive::{Sphere, Spheres};
@@ -134,7 +134,7 @@ fn read(options: &Options) -> Result<(String, MeshData, CoveredPart, Option<f64>
     if let (Some(path), true) = (options.mesh.as_deref(), options.points) {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(Error::io(path))?;
-        let vertices = mesh::points(path, &bytes)?;
+        let vertices = mesh_io::points(path, &bytes).map_err(Error::content(path))?;
         // Degenerate triangles, one for each point.
         let triangles = (0..vertices.len() as u32).map(|i| [i; 3]).collect();
         return Ok((name, MeshData { vertices, triangles }, CoveredPart::Points, None));

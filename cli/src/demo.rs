@@ -1,7 +1,7 @@
 //! The built-in scenes, so that the first run needs no file: two generated bodies with a sweep of poses, and a cloud.
 
-use super::mesh::MeshData;
 use core::f64::consts::TAU;
+use simdop::mesh_io::MeshData;
 use simdop::pose::Pose;
 
 /// A tube around a (2, 3) torus knot: 10,240 triangles.

@@ -4,46 +4,17 @@ use core::fmt;
 use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{FormatError, NodeType, VerifyError};
+use simdop::mesh_io::{FileError, Place};
 use simdop::packing::PackError;
-use simdop::robot::RobotError;
-use simdop::scene::SceneError;
+use simdop::planning::PlanningError;
 use std::path::PathBuf;
-
-/// A place in a file.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Place {
-    Line(usize),
-    Byte(usize),
-    Nowhere,
-}
-
-/// An error in the contents of a file, found where the file's name is not known.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct Fault {
-    pub(crate) place: Place,
-    pub(crate) problem: String,
-}
-
-impl Fault {
-    pub(crate) fn line(number: usize, problem: impl Into<String>) -> Self {
-        Self { place: Place::Line(number), problem: problem.into() }
-    }
-
-    pub(crate) fn byte(offset: usize, problem: impl Into<String>) -> Self {
-        Self { place: Place::Byte(offset), problem: problem.into() }
-    }
-
-    pub(crate) fn file(problem: impl Into<String>) -> Self {
-        Self { place: Place::Nowhere, problem: problem.into() }
-    }
-}
 
 #[derive(Debug)]
 pub(crate) enum Error {
     /// Reading or writing failed.
     Io { path: PathBuf, error: std::io::Error },
     /// The contents of a file are invalid.
-    Content { path: PathBuf, fault: Fault },
+    Content { path: PathBuf, fault: FileError },
     /// The bytes of a tree are invalid.
     Tree { path: PathBuf, error: FormatError },
     /// A plane of a tree does not bound its primitives.
@@ -58,12 +29,8 @@ pub(crate) enum Error {
     PointCloud { name: String, error: CloudError },
     /// A range search in a cloud fails.
     Search { name: String, error: SearchError },
-    /// A description of a robot is invalid.
-    Robot { path: PathBuf, error: RobotError },
-    /// The shape of a link cannot be read or built.
-    Link { link: String, error: Box<Self> },
-    /// A robot cannot be placed or moved.
-    Scene { name: String, error: SceneError },
+    /// A robot cannot be loaded, placed or moved.
+    Planning(PlanningError),
     #[cfg(feature = "report")]
     /// All corners of a mesh coincide, so that it has no size to scale distances by.
     NoSize { name: String },
@@ -85,8 +52,9 @@ pub(crate) enum Error {
 }
 
 impl Error {
-    pub(crate) fn content(path: impl Into<PathBuf>, fault: Fault) -> Self {
-        Self::Content { path: path.into(), fault }
+    pub(crate) fn content(path: impl Into<PathBuf>) -> impl FnOnce(FileError) -> Self {
+        let path = path.into();
+        |fault| Self::Content { path, fault }
     }
 
     /// A build option where there is nothing to build.
@@ -122,9 +90,7 @@ impl fmt::Display for Error {
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::PointCloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
-            Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::Link { link, error } => write!(f, "link {link}: {error}"),
-            Self::Scene { name, error } => write!(f, "{name}: {error}"),
+            Self::Planning(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::NoSize { name } => {
                 write!(f, "{name}: all corners are one point: there is no distance to measure by")

@@ -9,7 +9,6 @@ mod cover;
 mod demo;
 mod error;
 mod info;
-mod mesh;
 mod near;
 mod output;
 mod pack;

@@ -1,9 +1,9 @@
 //! Poses from a file or the command line: the 12 numbers of the row-major 3x4 matrix `[R|t]`.
 
 use super::File;
-use super::error::{Error, Fault};
-use super::mesh::{check_last_line, lines, quote};
+use super::error::Error;
 use clap::Args;
+use simdop::mesh_io::{FileError, check_last_line, lines, quote};
 use simdop::pose::Pose;
 use std::path::Path;
 
@@ -55,21 +55,21 @@ fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<P
 /// One pose per line; every line must end. Skips blank lines and comments after `#`.
 fn read(path: &Path) -> Result<Vec<Pose>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
-    parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| Error::content(path, fault))
+    parse(&String::from_utf8_lossy(&bytes)).map_err(Error::content(path))
 }
 
-fn parse(text: &str) -> Result<Vec<Pose>, Fault> {
+fn parse(text: &str) -> Result<Vec<Pose>, FileError> {
     let mut poses = Vec::new();
     for (number, line) in lines(text) {
         let content = line.split('#').next().unwrap_or("").trim();
         if !content.is_empty() {
-            let rows = matrix(content).map_err(|problem| Fault::line(number, problem))?;
-            poses.push(Pose::from_rows(rows).map_err(|error| Fault::line(number, error.to_string()))?);
+            let rows = matrix(content).map_err(|problem| FileError::line(number, problem))?;
+            poses.push(Pose::from_rows(rows).map_err(|error| FileError::line(number, error.to_string()))?);
         }
     }
     // A truncated number could pass for another number.
     check_last_line(text, 1)?;
-    if poses.is_empty() { Err(Fault::file("there is no pose in the file")) } else { Ok(poses) }
+    if poses.is_empty() { Err(FileError::file("there is no pose in the file")) } else { Ok(poses) }
 }
 
 /// Twelve numbers: the rows of `[R|t]`.
@@ -113,12 +113,12 @@ mod tests {
         assert_eq!(parse(&format!("# two\n\n{good} # here\n{good}\n")).unwrap(), [Pose::IDENTITY; 2]);
         assert_eq!(parse(&format!("# two\r{good} # here\r{good}\r")).unwrap(), [Pose::IDENTITY; 2]);
         let fault = |line: &str| parse(&format!("{good}\n{line}\n")).unwrap_err();
-        assert_eq!(fault("1 2 3"), Fault::line(2, "3 numbers, 12 are needed: the rows of [R|t]"));
+        assert_eq!(fault("1 2 3"), FileError::line(2, "3 numbers, 12 are needed: the rows of [R|t]"));
         assert_eq!(fault(&good.replacen('0', "nan", 1)).problem, "the pose has an entry that is not finite");
         assert!(fault(&good.replacen('1', "2", 1)).problem.starts_with("the pose is not rigid"));
         let cut = "the last line does not end: if the file was not cut there, end it with a line break";
-        assert_eq!(parse(&format!("{good}\n{good}")), Err(Fault::line(2, cut)));
-        assert_eq!(parse("# none\n"), Err(Fault::file("there is no pose in the file")));
+        assert_eq!(parse(&format!("{good}\n{good}")), Err(FileError::line(2, cut)));
+        assert_eq!(parse("# none\n"), Err(FileError::file("there is no pose in the file")));
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Files of spheres, such as packings and covers, and the output of `simdop info` for them.
 
 use super::body;
-use super::error::{Error, Fault};
+use super::error::Error;
 use serde::Serialize;
 use simdop::hierarchy::{Bvh, MAGIC};
+use simdop::mesh_io::FileError;
 use simdop::node::Node16;
 use simdop::packing::text;
 use simdop::primitive::{Sphere, Spheres};
@@ -31,7 +32,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, SphereTree), Error> {
     }
     let spheres = text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
         let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
-        Error::content(path, Fault::file(format!("{error}; {advice}")))
+        Error::content(path)(FileError::file(format!("{error}; {advice}")))
     })?;
     let tree = body::of_spheres(&path.display().to_string(), &spheres)?;
     Ok((spheres, tree))

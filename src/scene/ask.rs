@@ -6,6 +6,7 @@ use super::broad::{Batch, NearPair};
 use super::error::SceneError;
 use super::memory::Slot;
 use super::placement::Scene;
+use crate::node::Dop;
 use crate::pose::{Pose, Relative};
 use crate::primitive::shape::Core;
 use crate::query::{
@@ -122,16 +123,15 @@ macro_rules! with_trees {
             (BodyTree::Spheres($x), BodyTree::Spheres($y)) => $with,
             (BodyTree::Mesh($tree), BodyTree::PointCloud($cloud)) => $among,
             (BodyTree::Spheres($tree), BodyTree::PointCloud($cloud)) => $among,
-            (BodyTree::PointCloud(_), _) | (_, BodyTree::Shape(_)) => {
-                unreachable!("a shape is the first of a pair, and a cloud the second")
-            }
+            _ => unreachable!("a shape is the first of a pair, a cloud the second, and both are borrowed"),
         }
     };
 }
 
 /// Two bodies to test, and their relative pose.
-pub(super) struct AskedPair<'s, 't, N> {
-    pub(super) trees: (&'s BodyTree<'t, N>, &'s BodyTree<'t, N>),
+pub(super) struct AskedPair<'s, N> {
+    /// Borrowed ones.
+    pub(super) trees: (BodyTree<'s, N>, BodyTree<'s, N>),
     /// The pose of the first in the frame of the second.
     pub(super) relative: Relative,
     /// The sum of the bodies' radii.
@@ -142,9 +142,9 @@ pub(super) struct AskedPair<'s, 't, N> {
     max_coordinate: f64,
 }
 
-impl<'s, 't, N> AskedPair<'s, 't, N> {
+impl<'s, N: Dop> AskedPair<'s, N> {
     /// At the given world poses.
-    pub(super) fn new([a, b]: [&'s Slot<'t, N>; 2], [world_a, world_b]: [&Pose; 2]) -> Self {
+    pub(super) fn new([a, b]: [&'s Slot<'_, N>; 2], [world_a, world_b]: [&Pose; 2]) -> Self {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
         };
@@ -157,7 +157,7 @@ impl<'s, 't, N> AskedPair<'s, 't, N> {
             max_coordinate += 2.0 * (b.size.max_coordinate + greatest(&relative.pose().translation()));
         }
         Self {
-            trees: (&body_a.tree, &body_b.tree),
+            trees: (body_a.tree.view(), body_b.tree.view()),
             relative,
             radii: body_a.radius + body_b.radius,
             round: a.size.greatest_radius + b.size.greatest_radius,
@@ -171,11 +171,11 @@ impl<'s, 't, N> AskedPair<'s, 't, N> {
     }
 }
 
-impl<N: Lanes> AskedPair<'_, '_, N> {
+impl<N: Lanes> AskedPair<'_, N> {
     fn ask_within(&self, query: &Query, margin: f64) -> Result<Answer, ToleranceError> {
         let (pose, margin) = (self.relative.pose(), self.padded(margin + self.radii));
         with_trees!(
-            (self.trees.0, self.trees.1),
+            (&self.trees.0, &self.trees.1),
             |a, b| query.within(a, b, pose, margin),
             |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin)),
             |shape, tree| query.within_shape(shape, tree, pose, margin),
@@ -342,14 +342,14 @@ impl<'t, N: Lanes> Scene<'t, N> {
     ) -> Result<Answer, ToleranceError> {
         let mut answer = self.ask_within(query, candidate, margin)?;
         let slots @ [a, b] = self.slots_of(candidate);
-        let caps = slots.map(|slot| slot.body.and_then(|body| body.tree.caps()));
+        let caps = slots.map(|slot| slot.body.as_ref().and_then(|body| body.tree.caps()));
         if caps.iter().all(Option::is_none) {
             return Ok(answer);
         }
         let mut asked = AskedPair::new(slots, [&a.world, &b.world]);
-        let (a, b) = asked.trees;
-        let [of_a, of_b] = &caps;
-        let pairs = [of_a.as_ref().map(|caps| (caps, b)), of_b.as_ref().map(|caps| (a, caps))];
+        let (a, b) = asked.trees.clone();
+        let [of_a, of_b] = caps;
+        let pairs = [of_a.map(|caps| (caps, b)), of_b.map(|caps| (a, caps))];
         for trees in pairs.into_iter().flatten() {
             if answer.is_free() {
                 asked.trees = trees;
@@ -387,7 +387,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         let asked = AskedPair::new(slots, [&a.world, &b.world]);
         let (pose, cutoff) = (asked.relative.pose(), asked.padded(cutoff + asked.radii));
         let answer = with_trees!(
-            (asked.trees.0, asked.trees.1),
+            (&asked.trees.0, &asked.trees.1),
             |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
             |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff)),
             |shape, tree| query.distance_shape(shape, tree, pose, tolerance, cutoff),

@@ -1,11 +1,17 @@
 //! Bodies: what a scene contains.
 
 use crate::cloud::CloudRef;
+#[cfg(feature = "alloc")]
+use crate::cloud::PointCloud;
 use crate::frame::BodyBounds;
+#[cfg(feature = "alloc")]
+use crate::hierarchy::Bvh;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
 use crate::primitive::{Primitive, Shape, Shapes, Spheres, Triangles};
 use crate::range::MAX_COORDINATE;
+#[cfg(feature = "alloc")]
+use alloc::sync::Arc;
 
 /// Identifies a body of one scene. Valid until the body is removed.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -43,12 +49,48 @@ pub enum BodyTree<'t, N> {
     Spheres(BvhRef<'t, N, Spheres>),
     /// Points, such as a scan of a robot's surroundings. Two clouds are never tested against each other.
     PointCloud(CloudRef<'t>),
+    /// A tree or a cloud that scenes share. A `Scene<'static, N>` of such bodies borrows nothing.
+    #[cfg(feature = "alloc")]
+    Shared(SharedTree<N>),
 }
 
-impl<N> Copy for BodyTree<'_, N> {}
 impl<N> Clone for BodyTree<'_, N> {
     fn clone(&self) -> Self {
-        *self
+        match self {
+            Self::Shape(shape) => Self::Shape(*shape),
+            Self::Shapes(tree) => Self::Shapes(*tree),
+            Self::Mesh(tree) => Self::Mesh(*tree),
+            Self::Spheres(tree) => Self::Spheres(*tree),
+            Self::PointCloud(cloud) => Self::PointCloud(*cloud),
+            #[cfg(feature = "alloc")]
+            Self::Shared(tree) => Self::Shared(tree.clone()),
+        }
+    }
+}
+
+/// A tree or a cloud that any number of scenes share, also on several threads.
+#[cfg(feature = "alloc")]
+#[derive(Debug)]
+pub enum SharedTree<N> {
+    /// Shapes.
+    Shapes(Arc<Bvh<N, Shapes>>),
+    /// Triangles.
+    Mesh(Arc<Bvh<N, Triangles>>),
+    /// Spheres.
+    Spheres(Arc<Bvh<N, Spheres>>),
+    /// Points.
+    PointCloud(Arc<PointCloud>),
+}
+
+#[cfg(feature = "alloc")]
+impl<N> Clone for SharedTree<N> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Shapes(tree) => Self::Shapes(Arc::clone(tree)),
+            Self::Mesh(tree) => Self::Mesh(Arc::clone(tree)),
+            Self::Spheres(tree) => Self::Spheres(Arc::clone(tree)),
+            Self::PointCloud(cloud) => Self::PointCloud(Arc::clone(cloud)),
+        }
     }
 }
 
@@ -82,9 +124,44 @@ impl<'t, N> From<CloudRef<'t>> for BodyTree<'t, N> {
     }
 }
 
+#[cfg(feature = "alloc")]
+impl<N> From<SharedTree<N>> for BodyTree<'_, N> {
+    fn from(tree: SharedTree<N>) -> Self {
+        Self::Shared(tree)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<N> From<Arc<Bvh<N, Triangles>>> for BodyTree<'_, N> {
+    fn from(tree: Arc<Bvh<N, Triangles>>) -> Self {
+        Self::Shared(SharedTree::Mesh(tree))
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<N> From<Arc<Bvh<N, Spheres>>> for BodyTree<'_, N> {
+    fn from(tree: Arc<Bvh<N, Spheres>>) -> Self {
+        Self::Shared(SharedTree::Spheres(tree))
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<N> From<Arc<Bvh<N, Shapes>>> for BodyTree<'_, N> {
+    fn from(tree: Arc<Bvh<N, Shapes>>) -> Self {
+        Self::Shared(SharedTree::Shapes(tree))
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<N> From<Arc<PointCloud>> for BodyTree<'_, N> {
+    fn from(cloud: Arc<PointCloud>) -> Self {
+        Self::Shared(SharedTree::PointCloud(cloud))
+    }
+}
+
 impl<N> BodyTree<'_, N> {
     pub(super) const fn is_cloud(&self) -> bool {
-        matches!(self, Self::PointCloud(_))
+        self.rank() == 2
     }
 
     /// Where the body is in pairs: a shape comes first, a cloud second.
@@ -93,47 +170,67 @@ impl<N> BodyTree<'_, N> {
             Self::Shape(_) => 0,
             Self::Shapes(_) | Self::Mesh(_) | Self::Spheres(_) => 1,
             Self::PointCloud(_) => 2,
+            #[cfg(feature = "alloc")]
+            Self::Shared(SharedTree::PointCloud(_)) => 2,
+            #[cfg(feature = "alloc")]
+            Self::Shared(_) => 1,
         }
     }
 }
 
 impl<N: Dop> BodyTree<'_, N> {
-    /// Of a tree or a cloud.
-    pub(super) fn extent(&self) -> Option<BodyBounds> {
+    /// The same geometry, borrowed: never [`BodyTree::Shared`].
+    #[inline]
+    pub(super) fn view(&self) -> BodyTree<'_, N> {
         match self {
-            Self::Shape(_) => None,
-            Self::Shapes(tree) => Some(tree.extent()),
-            Self::Mesh(tree) => Some(tree.extent()),
-            Self::Spheres(tree) => Some(tree.extent()),
-            Self::PointCloud(cloud) => Some(cloud.extent()),
+            #[cfg(feature = "alloc")]
+            Self::Shared(SharedTree::Shapes(tree)) => BodyTree::Shapes(tree.view()),
+            #[cfg(feature = "alloc")]
+            Self::Shared(SharedTree::Mesh(tree)) => BodyTree::Mesh(tree.view()),
+            #[cfg(feature = "alloc")]
+            Self::Shared(SharedTree::Spheres(tree)) => BodyTree::Spheres(tree.view()),
+            #[cfg(feature = "alloc")]
+            Self::Shared(SharedTree::PointCloud(cloud)) => BodyTree::PointCloud(cloud.view()),
+            borrowed => borrowed.clone(),
         }
     }
 
-    pub(super) const fn is_empty(&self) -> bool {
-        match self {
-            Self::Shape(_) => false,
-            Self::Shapes(tree) => tree.is_empty(),
-            Self::Mesh(tree) => tree.is_empty(),
-            Self::Spheres(tree) => tree.is_empty(),
-            Self::PointCloud(cloud) => cloud.is_empty(),
+    /// Of a tree or a cloud.
+    pub(super) fn extent(&self) -> Option<BodyBounds> {
+        match self.view() {
+            BodyTree::Shapes(tree) => Some(tree.extent()),
+            BodyTree::Mesh(tree) => Some(tree.extent()),
+            BodyTree::Spheres(tree) => Some(tree.extent()),
+            BodyTree::PointCloud(cloud) => Some(cloud.extent()),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        match self.view() {
+            BodyTree::Shapes(tree) => tree.is_empty(),
+            BodyTree::Mesh(tree) => tree.is_empty(),
+            BodyTree::Spheres(tree) => tree.is_empty(),
+            BodyTree::PointCloud(cloud) => cloud.is_empty(),
+            _ => false,
         }
     }
 
     /// The caps of a solid, as a body.
-    pub(super) fn caps(&self) -> Option<Self> {
-        match self {
-            Self::Mesh(tree) => tree.caps().map(Self::Mesh),
-            Self::Shape(_) | Self::Shapes(_) | Self::Spheres(_) | Self::PointCloud(_) => None,
+    pub(super) fn caps(&self) -> Option<BodyTree<'_, N>> {
+        match self.view() {
+            BodyTree::Mesh(tree) => tree.caps().map(BodyTree::Mesh),
+            _ => None,
         }
     }
 
     /// Whether its primitives have radii, which a pose does not change.
-    pub(super) const fn is_round(&self) -> bool {
-        match self {
-            Self::Shape(_) | Self::Shapes(_) => Shapes::IS_ROUND,
-            Self::Mesh(_) => Triangles::IS_ROUND,
-            Self::Spheres(_) => Spheres::IS_ROUND,
-            Self::PointCloud(_) => false,
+    pub(super) fn is_round(&self) -> bool {
+        match self.view() {
+            BodyTree::Mesh(_) => Triangles::IS_ROUND,
+            BodyTree::Spheres(_) => Spheres::IS_ROUND,
+            BodyTree::PointCloud(_) => false,
+            _ => Shapes::IS_ROUND,
         }
     }
 }
@@ -149,10 +246,9 @@ pub struct Body<'t, N> {
     pub(super) groups: Groups,
 }
 
-impl<N> Copy for Body<'_, N> {}
 impl<N> Clone for Body<'_, N> {
     fn clone(&self) -> Self {
-        *self
+        Self { tree: self.tree.clone(), ..*self }
     }
 }
 
@@ -187,20 +283,20 @@ impl<'t, N> Body<'t, N> {
     /// With a radius, in the body's unit. Two bodies meet when the distance of their primitives is at most the sum of
     /// their radii.
     #[must_use]
-    pub const fn with_radius(self, radius: f64) -> Self {
+    pub fn with_radius(self, radius: f64) -> Self {
         Self { radius, ..self }
     }
 
     /// A fixed body. Two fixed bodies are not tested against each other. [`Scene::place`](super::Scene::place) may
     /// still move it.
     #[must_use]
-    pub const fn fixed(self) -> Self {
+    pub fn fixed(self) -> Self {
         Self { is_fixed: true, ..self }
     }
 
     /// With groups that restrict which bodies it is tested against.
     #[must_use]
-    pub const fn with_groups(self, groups: Groups) -> Self {
+    pub fn with_groups(self, groups: Groups) -> Self {
         Self { groups, ..self }
     }
 

@@ -69,8 +69,8 @@ impl<N: Lanes> Scene<'_, N> {
         let (i, j) = self.place_to_ask(a, b)?;
         let mut poses = vec![Pose::IDENTITY; 2 * robot.bodies().len()];
         let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
-        let leaves =
-            [i, j].map(|i| self.memory.slots[i].body.map_or_else(Vec::new, |body| leaves(&body.tree)));
+        let leaves = [i, j]
+            .map(|i| self.memory.slots[i].body.as_ref().map_or_else(Vec::new, |body| leaves(&body.tree)));
         let links = vec![LinkFrame::EMPTY; robot.links()];
         let search = ClassSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
         let report = search.run(boxes);
@@ -180,7 +180,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
             let has_caps = asked.trees.0.caps().is_some() || asked.trees.1.caps().is_some();
             return Ok(deep + asked.radii > 0.0 && !has_caps && self.is_within(deep)?);
         }
-        let (BodyTree::Mesh(tree_a), BodyTree::Mesh(tree_b)) = asked.trees else { return Ok(false) };
+        let (BodyTree::Mesh(tree_a), BodyTree::Mesh(tree_b)) = &asked.trees else { return Ok(false) };
         let (pose, mut is_deep) = (asked.relative.pose(), false);
         let _ = self.query.for_each_pair(tree_a, tree_b, pose, |pair| {
             let of = |sources: &[u32], source: u32| sources[source as usize];
@@ -208,7 +208,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
 
 /// Maps the index of a primitive in the builder's input to its position in leaf order.
 fn leaves<N: Dop>(tree: &BodyTree<'_, N>) -> Vec<u32> {
-    let BodyTree::Mesh(tree) = tree else { return Vec::new() };
+    let BodyTree::Mesh(tree) = tree.view() else { return Vec::new() };
     let mut leaves = vec![0; tree.len()];
     for i in 0..tree.len() as u32 {
         leaves[tree.source(i) as usize] = i;

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use core::ops::{Deref, DerefMut};
 
 /// The state of one body. [`Slot::EMPTY`] initializes the caller's memory.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Slot<'t, N> {
     pub(super) body: Option<Body<'t, N>>,
     pub(super) generation: u32,
@@ -23,6 +23,12 @@ pub struct Slot<'t, N> {
     /// Inverse of the world pose, stored for fixed bodies: they are tested more often than placed.
     pub(super) inverted: Inverted,
     pub(super) size: BodySize,
+}
+
+impl<N> Clone for Slot<'_, N> {
+    fn clone(&self) -> Self {
+        Self { body: self.body.clone(), ..*self }
+    }
 }
 
 /// The attachment of a body.
@@ -111,6 +117,13 @@ impl<T> DerefMut for BorrowedOrOwned<'_, T> {
     }
 }
 
+#[cfg(feature = "alloc")]
+impl<T: Clone> Clone for BorrowedOrOwned<'_, T> {
+    fn clone(&self) -> Self {
+        Self::Owned(self.to_vec())
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
     pub(super) slots: BorrowedOrOwned<'t, Slot<'t, N>>,
@@ -119,6 +132,13 @@ pub(super) struct Memories<'t, N> {
     /// The pairs to test: bit j of row i. Each pair has its bit in one of its two symmetric places: the row of the
     /// moving body, or else of the lower index. A row has [`Memories::stride`] words.
     rows: BorrowedOrOwned<'t, u16>,
+}
+
+#[cfg(feature = "alloc")]
+impl<N> Clone for Memories<'_, N> {
+    fn clone(&self) -> Self {
+        Self { slots: self.slots.clone(), boxes: self.boxes.clone(), rows: self.rows.clone() }
+    }
 }
 
 impl<'t, N> Memories<'t, N> {

@@ -49,7 +49,9 @@ mod memory;
 mod pairs;
 mod placement;
 
-pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
+pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
+#[cfg(feature = "alloc")]
+pub use body::SharedTree;
 pub use body::{Body, BodyId, BodyTree, Groups};
 pub use check_motion::{MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 pub use check_states::ConfigurationsAnswer;
@@ -58,3 +60,5 @@ pub use classify_pair::{PairClass, PairReport};
 pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 pub use placement::Scene;
+#[cfg(feature = "planning")]
+pub(crate) use placement::check as check_pose;

@@ -14,6 +14,14 @@ pub struct Scene<'t, N> {
     pub(super) memory: Memories<'t, N>,
 }
 
+/// A scene of its own, which shares the trees. The copy of a scene in borrowed memory allocates its own memory.
+#[cfg(feature = "alloc")]
+impl<N> Clone for Scene<'_, N> {
+    fn clone(&self) -> Self {
+        Self { memory: self.memory.clone() }
+    }
+}
+
 #[cfg(feature = "alloc")]
 impl<N> Default for Scene<'_, N> {
     fn default() -> Self {
@@ -137,11 +145,12 @@ impl<'t, N: Dop> Scene<'t, N> {
         slot.body = Some(body);
         self.put(i, world);
         for j in 0..self.memory.slots.len() {
-            if let Some(other) = self.memory.slots[j].body
+            if let (Some(body), Some(other)) = (&self.memory.slots[i].body, &self.memory.slots[j].body)
                 && j != i
             {
+                let is_asked = body.is_asked_against(other);
                 let (row, bit) = self.row_and_bit(i, j);
-                self.memory.set_pair(row, bit, body.is_asked_against(&other));
+                self.memory.set_pair(row, bit, is_asked);
             }
         }
         Ok(self.id(i))
@@ -218,6 +227,15 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
+    /// The body that a body is attached to.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`].
+    pub fn attached_to(&self, id: BodyId) -> Result<Option<BodyId>, SceneError> {
+        let parent = self.memory.slots[self.index(id)?].parent;
+        Ok(parent.map(|parent| self.id(parent.to as usize)))
+    }
+
     /// Detaches a body. It stays where it is. Does nothing if the body is not attached.
     ///
     /// # Errors
@@ -256,7 +274,7 @@ impl<'t, N: Dop> Scene<'t, N> {
 }
 
 /// Whether a scene accepts a world pose.
-pub(super) fn check(world: &Pose) -> Result<(), SceneError> {
+pub(crate) fn check(world: &Pose) -> Result<(), SceneError> {
     let near = |x: f64| x.abs() <= Scene::<()>::MAX_TRANSLATION;
     let [x, y, z] = world.translation();
     if !world.is_rotation(Scene::<()>::TOLERANCE) {

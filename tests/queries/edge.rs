@@ -303,7 +303,7 @@ fn a_wall_across_is_met_wherever_it_stands() {
         for i in -19..=19 {
             let mut scene = Scene::new();
             let body = Body::new(ball.view()).with_radius(1e-3);
-            let id = scene.insert(body, &at(-2.0, beside, 0.0)).unwrap();
+            let id = scene.insert(body.clone(), &at(-2.0, beside, 0.0)).unwrap();
             if is_carried {
                 let carried = scene.insert(body, &at(-2.0, 0.0, 0.0)).unwrap();
                 scene.attach(carried, id).unwrap();

@@ -346,7 +346,7 @@ fn what_is_inside_a_solid_meets_it() {
         for inner in [BodyTree::from(small.view()), sphere.shape(), scan.shape()] {
             for (outer_first, x) in [(true, 0.25), (false, 0.25), (true, 9.0), (false, 9.0)] {
                 let mut scene = Scene::new();
-                let mut bodies = [(Body::new(large.view()).fixed(), 0.0), (Body::new(inner), x)];
+                let mut bodies = [(Body::new(large.view()).fixed(), 0.0), (Body::new(inner.clone()), x)];
                 if !outer_first {
                     bodies.reverse();
                 }

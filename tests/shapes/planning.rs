@@ -51,7 +51,8 @@ impl<'t> World<'t> {
         let mut insert = |body: Body<'t, Node16<18>>, at: &Pose| scene.insert(body, at).unwrap();
         let ids: Vec<BodyId> =
             links.iter().map(|link| insert(Body::new(link.view()), &Pose::IDENTITY)).collect();
-        let obstacles = obstacles.iter().map(|(tree, at)| insert(Body::new(*tree).fixed(), at)).collect();
+        let obstacles =
+            obstacles.iter().map(|(tree, at)| insert(Body::new(tree.clone()).fixed(), at)).collect();
         for i in 0..ids.len() {
             for j in 0..i {
                 scene.allow_collision(ids[i], ids[j]).unwrap();

@@ -3,10 +3,11 @@
 use super::options::Options;
 use super::timing::fastest;
 use crate::error::Error;
-use crate::{demo, mesh, progress};
+use crate::{demo, progress};
 use core::mem::size_of_val;
 use serde::Serialize;
 use simdop::cloud::PointCloud;
+use simdop::mesh_io;
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -54,7 +55,7 @@ impl Points {
         let start = Instant::now();
         let bytes = std::fs::read(path).map_err(Error::io(path))?;
         let spinner = progress::step(format!("reading {}", path.display()), quiet || bytes.len() < LONG_READ);
-        let exact = mesh::points(path, &bytes)?;
+        let exact = mesh_io::points(path, &bytes).map_err(Error::content(path))?;
         drop(spinner);
         let read_nanoseconds = Some(start.elapsed().as_nanos());
         let points: Vec<[f32; 3]> = exact.iter().map(|point| point.map(|x| x as f32)).collect();

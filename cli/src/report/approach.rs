@@ -7,11 +7,11 @@
 //! pose at every distance. Distances are relative to the diagonal of A's box.
 
 use crate::error::Error;
-use crate::mesh::MeshData;
 use crate::random::Random;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
+use simdop::mesh_io::MeshData;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;

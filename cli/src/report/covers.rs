@@ -4,10 +4,10 @@
 use super::approach::{self, DISTANCES, PerDistance};
 use super::clock::{self, Times};
 use crate::cover::{self, Covered, CoveredPart, ToCover};
-use crate::mesh::MeshData;
 use crate::{error::Error, progress};
 use serde::Serialize;
 use simdop::isa::Isa;
+use simdop::mesh_io::MeshData;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use std::time::Instant;

@@ -26,7 +26,6 @@ mod volumes;
 
 use super::body::{self, Body, SAME};
 use super::error::Error;
-use super::mesh::MeshData;
 use super::{File, TreeOptions, demo, isa, output, progress};
 use approach::{DISTANCES, PerDistance};
 use clap::Args;
@@ -36,6 +35,7 @@ use results::{Measured, MeasuredAt, Results, Subject};
 use setting::{Setting, Sweep};
 use simdop::hierarchy::AnyBvhRef;
 use simdop::isa::Isa;
+use simdop::mesh_io::MeshData;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use std::io::BufWriter;

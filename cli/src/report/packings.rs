@@ -3,13 +3,13 @@
 
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::{self, Times};
-use crate::mesh::MeshData;
 use crate::{body, error::Error, progress};
 use core::ops::ControlFlow;
 use serde::Serialize;
 use simdop::construct::Mesh;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
+use simdop::mesh_io::MeshData;
 use simdop::node::Node16;
 use simdop::packing::{PackError, Packer, Packing};
 use simdop::pose::Pose;

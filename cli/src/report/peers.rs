@@ -1,8 +1,9 @@
 //! Other libraries, from the CSV file that `benches/peers/run` writes.
 
 use super::approach::{DISTANCES, PerDistance};
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
+use simdop::mesh_io::FileError;
 use std::path::Path;
 
 /// The fields used of a line. The file has more.
@@ -37,10 +38,10 @@ const OURS: &str = "simdop";
 /// If the file was not written by `benches/peers`, or has no such mesh.
 pub(super) fn read(path: &Path, name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
-    parse(&bytes, name, triangles).map_err(|fault| Error::content(path, fault))
+    parse(&bytes, name, triangles).map_err(Error::content(path))
 }
 
-fn parse(bytes: &[u8], name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, Fault> {
+fn parse(bytes: &[u8], name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, FileError> {
     let mut lines: Vec<Line> = Vec::new();
     for line in csv::Reader::from_reader(bytes).deserialize() {
         lines.push(line.map_err(fault)?);
@@ -52,7 +53,9 @@ fn parse(bytes: &[u8], name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, F
     lines.retain(|line| !line.library.starts_with(OURS));
     if lines.is_empty() {
         let [a, b] = triangles;
-        return Err(Fault::file(format!("no other library has a line for meshes of {a} and {b} triangles")));
+        return Err(FileError::file(format!(
+            "no other library has a line for meshes of {a} and {b} triangles"
+        )));
     }
     let mut peers: Vec<Peer> = Vec::new();
     for line in &lines {
@@ -63,11 +66,11 @@ fn parse(bytes: &[u8], name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, F
     Ok(peers)
 }
 
-fn fault(error: csv::Error) -> Fault {
+fn fault(error: csv::Error) -> FileError {
     let problem = format!("not the results of benches/peers: {error}");
     match error.position() {
-        Some(position) => Fault::line(position.line() as usize, problem),
-        None => Fault::file(problem),
+        Some(position) => FileError::line(position.line() as usize, problem),
+        None => FileError::file(problem),
     }
 }
 
@@ -118,11 +121,11 @@ mod tests {
     #[test]
     fn faults_name_their_line() {
         let fault = parse(FILE.as_bytes(), "cow", [10, 21]).unwrap_err();
-        assert_eq!(fault, Fault::file("no other library has a line for meshes of 10 and 21 triangles"));
+        assert_eq!(fault, FileError::file("no other library has a line for meshes of 10 and 21 triangles"));
         let broken = FILE.replace("11,,50", "eleven,,50");
         assert!(matches!(
             parse(broken.as_bytes(), "cow", [10, 20]),
-            Err(Fault { place, .. }) if place == crate::error::Place::Line(4)
+            Err(FileError { place, .. }) if place == simdop::mesh_io::Place::Line(4)
         ));
         let other = parse(b"a,b\n1,2\n", "cow", [10, 20]).unwrap_err();
         assert!(other.problem.starts_with("not the results of benches/peers: "), "{other:?}");

@@ -1,8 +1,8 @@
 use super::*;
-use crate::mesh::MeshData;
 use crate::random::Random;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
+use simdop::mesh_io::MeshData;
 use simdop::node::{Node4, Node16};
 
 /// Triangles scattered in a cube of side 2.

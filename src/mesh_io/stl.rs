@@ -2,15 +2,17 @@
 
 use super::data::MeshData;
 use super::decimals::Decimals;
+use super::error::FileError;
 use super::text::{lines, quote, text};
-use crate::error::Fault;
+use alloc::format;
+use alloc::vec::Vec;
 
 /// Bytes before the triangles of a binary file: a free-form header and a count.
 const HEADER: usize = 84;
 /// Bytes of a triangle: normal, three corners, attributes.
 const RECORD: usize = 50;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, FileError> {
     // A binary file may begin with "solid", too: its length identifies it or, if that is wrong, its zeros.
     let count = bytes.get(80..HEADER).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
     let exact =
@@ -19,20 +21,20 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
     if !exact && solid && !bytes.iter().take(512).any(|&b| b == 0) {
         return ascii(&text(bytes));
     }
-    let count =
-        count.ok_or_else(|| Fault::byte(bytes.len(), "the file ends before the count of a binary STL"))?;
+    let count = count
+        .ok_or_else(|| FileError::byte(bytes.len(), "the file ends before the count of a binary STL"))?;
     binary(&bytes[HEADER..], count)
 }
 
-fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
+fn binary(records: &[u8], count: usize) -> Result<MeshData, FileError> {
     let have = records.len() / RECORD;
     if have < count {
         let problem = format!("the file ends after {have} of {count} triangles");
-        return Err(Fault::byte(HEADER + records.len(), problem));
+        return Err(FileError::byte(HEADER + records.len(), problem));
     }
     if records.len() > count * RECORD {
         let problem = format!("the file goes on after its {count} triangles");
-        return Err(Fault::byte(HEADER + count * RECORD, problem));
+        return Err(FileError::byte(HEADER + count * RECORD, problem));
     }
     let mut soup = Vec::with_capacity(count);
     for (index, record) in records.chunks_exact(RECORD).enumerate() {
@@ -42,7 +44,7 @@ fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
         };
         if let Some(i) = (0..9).find(|&i| !coordinate(i).is_finite()) {
             let problem = format!("the coordinate {} is not finite", coordinate(i));
-            return Err(Fault::byte(HEADER + index * RECORD + 12 + 4 * i, problem));
+            return Err(FileError::byte(HEADER + index * RECORD + 12 + 4 * i, problem));
         }
         soup.push([0, 3, 6].map(|c| [coordinate(c), coordinate(c + 1), coordinate(c + 2)]));
     }
@@ -52,7 +54,7 @@ fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
 /// The statements of an ASCII file, in their order; facets repeat, and so may solids.
 const FACET: [&str; 7] = ["facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet"];
 
-fn ascii(text: &str) -> Result<MeshData, Fault> {
+fn ascii(text: &str) -> Result<MeshData, FileError> {
     let mut soup: Vec<[[f64; 3]; 3]> = Vec::new();
     let mut decimals = Decimals::default();
     let mut corners = [[0.0; 3]; 3];
@@ -76,7 +78,10 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
             (_, true, _) if FACET[step].split(' ').next() == Some(&word) => {
                 for second in FACET[step].split(' ').skip(1) {
                     if !words.next().is_some_and(|word| word.eq_ignore_ascii_case(second)) {
-                        return Err(Fault::line(line, format!("{word} without its second word, {second}")));
+                        return Err(FileError::line(
+                            line,
+                            format!("{word} without its second word, {second}"),
+                        ));
                     }
                 }
                 if word == "vertex" {
@@ -85,18 +90,23 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
                 // The normal is ignored: some writers leave it undefined.
                 let more = words.count();
                 if more != if step == 0 { 3 } else { 0 } {
-                    return Err(Fault::line(line, format!("{word} with {more} words more")));
+                    return Err(FileError::line(line, format!("{word} with {more} words more")));
                 }
                 step = (step + 1) % FACET.len();
                 if step == 0 {
                     soup.push(corners);
                 }
             }
-            _ => return Err(Fault::line(line, format!("{} stands where {expected} should", quote(&word)))),
+            _ => {
+                return Err(FileError::line(
+                    line,
+                    format!("{} stands where {expected} should", quote(&word)),
+                ));
+            }
         }
     }
     if is_open {
-        return Err(Fault::line(last + 1, "the file ends before endsolid"));
+        return Err(FileError::line(last + 1, "the file ends before endsolid"));
     }
     decimals.settle(soup.as_flattened_mut());
     Ok(MeshData::of(&soup))
@@ -105,6 +115,7 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::string::String;
 
     fn binary_file(triangles: &[[f32; 9]]) -> Vec<u8> {
         let mut bytes = b"solid in name only".to_vec();
@@ -139,15 +150,18 @@ mod tests {
     #[test]
     fn faults_name_their_place() {
         let file = binary_file(&TWO);
-        assert_eq!(parse(&file[..150]), Err(Fault::byte(150, "the file ends after 1 of 2 triangles")));
-        assert_eq!(parse(&[0; 20]), Err(Fault::byte(20, "the file ends before the count of a binary STL")));
+        assert_eq!(parse(&file[..150]), Err(FileError::byte(150, "the file ends after 1 of 2 triangles")));
+        assert_eq!(
+            parse(&[0; 20]),
+            Err(FileError::byte(20, "the file ends before the count of a binary STL"))
+        );
         let longer = [file.as_slice(), &[0; 3]].concat();
-        assert_eq!(parse(&longer), Err(Fault::byte(184, "the file goes on after its 2 triangles")));
+        assert_eq!(parse(&longer), Err(FileError::byte(184, "the file goes on after its 2 triangles")));
         let mut nan = TWO;
         nan[1][4] = f32::NAN;
         assert_eq!(
             parse(&binary_file(&nan)),
-            Err(Fault::byte(84 + 50 + 12 + 16, "the coordinate NaN is not finite"))
+            Err(FileError::byte(84 + 50 + 12 + 16, "the coordinate NaN is not finite"))
         );
     }
 
@@ -159,13 +173,19 @@ mod tests {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
         assert_eq!(
             fault("solid\nvertex 0 0 0\n"),
-            Fault::line(2, "'vertex' stands where facet or endsolid should")
+            FileError::line(2, "'vertex' stands where facet or endsolid should")
         );
-        assert_eq!(fault("solid\nfacet\n"), Fault::line(2, "facet without its second word, normal"));
-        assert_eq!(fault("solid\nfacet normal 0 0\n"), Fault::line(2, "facet with 2 words more"));
-        assert_eq!(fault("solid\nhello\n"), Fault::line(2, "'hello' stands where facet or endsolid should"));
-        assert_eq!(fault("solid\nendsolid\nhello\n"), Fault::line(3, "'hello' stands where solid should"));
-        assert_eq!(fault("solid\nfacet normal 0 0 1\n"), Fault::line(3, "the file ends before endsolid"));
+        assert_eq!(fault("solid\nfacet\n"), FileError::line(2, "facet without its second word, normal"));
+        assert_eq!(fault("solid\nfacet normal 0 0\n"), FileError::line(2, "facet with 2 words more"));
+        assert_eq!(
+            fault("solid\nhello\n"),
+            FileError::line(2, "'hello' stands where facet or endsolid should")
+        );
+        assert_eq!(
+            fault("solid\nendsolid\nhello\n"),
+            FileError::line(3, "'hello' stands where solid should")
+        );
+        assert_eq!(fault("solid\nfacet normal 0 0 1\n"), FileError::line(3, "the file ends before endsolid"));
         let file = format!("solid two words\n{FACET}{FACET}endsolid two words\nsolid\n{FACET}endsolid\n");
         let end = file.lines().count();
         assert_eq!(parse(file.as_bytes()).map(|mesh| mesh.triangles.len()), Ok(3));

@@ -3,8 +3,11 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::Decimals;
+use super::error::{FileError, Place};
 use super::text::{check_last_line, check_single, count, lines, quote, text, unknown_vertex};
-use crate::error::{Fault, Place};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, Version,
@@ -72,13 +75,13 @@ fn integers(property: Property) -> Option<Vec<i64>> {
     }
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, FileError> {
     let Elements { vertices, faces, .. } = elements(bytes, Wanted::Mesh)?;
     faces.into_mesh(vertices)
 }
 
 /// The vertices in their order. Ignores everything else in the file.
-pub(super) fn points(bytes: &[u8]) -> Result<Vec<[f64; 3]>, Fault> {
+pub(super) fn points(bytes: &[u8]) -> Result<Vec<[f64; 3]>, FileError> {
     Ok(elements(bytes, Wanted::Points)?.vertices)
 }
 
@@ -89,7 +92,7 @@ enum Wanted {
     Points,
 }
 
-fn elements(bytes: &[u8], wanted: Wanted) -> Result<Elements, Fault> {
+fn elements(bytes: &[u8], wanted: Wanted) -> Result<Elements, FileError> {
     let mut reader = Reader::new(bytes);
     let header = Parser::<Element>::new().read_header(&mut reader).map_err(|error| header_fault(&error))?;
     let vertex_count = check_header(&header, wanted)?;
@@ -103,30 +106,30 @@ fn elements(bytes: &[u8], wanted: Wanted) -> Result<Elements, Fault> {
 }
 
 /// The crate's messages quote the line, over several lines.
-fn header_fault(error: &ParseError) -> Fault {
+fn header_fault(error: &ParseError) -> FileError {
     let message = error.to_string();
     let message = message.lines().next().unwrap_or("");
     let message = message.split_once(": ").filter(|_| error.line().is_some()).map_or(message, |(_, m)| m);
-    Fault { place: error.line().map_or(Place::Nowhere, Place::Line), problem: message.to_string() }
+    FileError { place: error.line().map_or(Place::Nowhere, Place::Line), problem: message.to_string() }
 }
 
 /// Checks that the file has the wanted elements and can be read in full. Returns the number of vertices.
-fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
+fn check_header(header: &Header, wanted: Wanted) -> Result<usize, FileError> {
     let what = if wanted == Wanted::Mesh { "mesh" } else { "cloud" };
     let element = |name: &str| {
-        let missing = || Fault::file(format!("not a {what}: there is no element '{name}'"));
+        let missing = || FileError::file(format!("not a {what}: there is no element '{name}'"));
         header.elements.get(name).ok_or_else(missing)
     };
     let Version { major, minor } = header.version;
     if (major, minor) != (1, 0) {
-        return Err(Fault::file(format!(
+        return Err(FileError::file(format!(
             "the format's version is {major}.{minor}, and the only one known is 1.0"
         )));
     }
     let vertex = element("vertex")?;
     for axis in ["x", "y", "z"] {
         if !matches!(vertex.properties.get(axis).map(|p| &p.data_type), Some(PropertyType::Scalar(_))) {
-            return Err(Fault::file(format!("the element 'vertex' has no number '{axis}'")));
+            return Err(FileError::file(format!("the element 'vertex' has no number '{axis}'")));
         }
     }
     if wanted == Wanted::Points {
@@ -135,10 +138,10 @@ fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
     let face = element("face")?;
     let is_list = |p: &PropertyType| matches!(p, PropertyType::List(..));
     if !face.properties.iter().any(|(name, p)| is_corner_list(name) && is_list(&p.data_type)) {
-        return Err(Fault::file("the element 'face' has no list 'vertex_indices'"));
+        return Err(FileError::file("the element 'face' has no list 'vertex_indices'"));
     }
     if header.elements.get("tristrips").is_some_and(|strips| strips.count > 0) {
-        return Err(Fault::file("triangle strips are not supported"));
+        return Err(FileError::file("triangle strips are not supported"));
     }
     Ok(vertex.count)
 }
@@ -159,8 +162,8 @@ impl Elements {
     }
 
     /// Adds an element of the file.
-    fn add(&mut self, kind: &str, element: &Element, place: Place) -> Result<(), Fault> {
-        let fault = |problem| Fault { place, problem };
+    fn add(&mut self, kind: &str, element: &Element, place: Place) -> Result<(), FileError> {
+        let fault = |problem| FileError { place, problem };
         match kind {
             "vertex" => {
                 if let Some(x) = element.position.iter().find(|x| !x.is_finite()) {
@@ -177,7 +180,7 @@ impl Elements {
                     let index = u32::try_from(v).ok().filter(|&v| (v as usize) < vertices);
                     index.ok_or_else(|| fault(unknown_vertex(v, vertices)))
                 };
-                let corners = element.corners.iter().map(known).collect::<Result<Vec<u32>, Fault>>()?;
+                let corners = element.corners.iter().map(known).collect::<Result<Vec<u32>, FileError>>()?;
                 self.faces.add(corners, place)?;
             }
             _ => {}
@@ -190,14 +193,19 @@ fn inside(def: &ElementDef, index: usize) -> String {
     format!("the file ends at {} {index} of {}", def.name, def.count)
 }
 
-fn ascii(text: &str, first_line: usize, header: &Header, mut elements: Elements) -> Result<Elements, Fault> {
+fn ascii(
+    text: &str,
+    first_line: usize,
+    header: &Header,
+    mut elements: Elements,
+) -> Result<Elements, FileError> {
     let mut decimals = Decimals::default();
     let end = first_line + lines(text).count();
     let source = lines(text).map(|(line, content)| (first_line + line - 1, content));
     let mut source = source.filter(|(_, content)| !content.trim().is_empty());
     for def in header.elements.values() {
         for index in 0..def.count {
-            let (line, content) = source.next().ok_or_else(|| Fault::line(end, inside(def, index)))?;
+            let (line, content) = source.next().ok_or_else(|| FileError::line(end, inside(def, index)))?;
             if elements.wants(&def.name) {
                 let element = ascii_element(def, content, line, &mut decimals)?;
                 elements.add(&def.name, &element, Place::Line(line))?;
@@ -205,7 +213,7 @@ fn ascii(text: &str, first_line: usize, header: &Header, mut elements: Elements)
         }
     }
     if let Some((line, _)) = source.next() {
-        return Err(Fault::line(line, "more lines than the header announces"));
+        return Err(FileError::line(line, "more lines than the header announces"));
     }
     check_last_line(text, first_line)?;
     decimals.settle(&mut elements.vertices);
@@ -218,10 +226,10 @@ fn ascii_element(
     content: &str,
     line: usize,
     decimals: &mut Decimals,
-) -> Result<Element, Fault> {
+) -> Result<Element, FileError> {
     let mut element = Element::new();
     let mut words = content.split_ascii_whitespace();
-    let missing = || Fault::line(line, "a number is missing");
+    let missing = || FileError::line(line, "a number is missing");
     for (name, property) in &def.properties {
         match (&property.data_type, axis(name)) {
             (PropertyType::Scalar(_), Some(axis)) => {
@@ -232,7 +240,7 @@ fn ascii_element(
                 for _ in 0..count(words.next(), line)? {
                     let word = words.next().ok_or_else(missing)?;
                     if is_corner_list(name) {
-                        let problem = || Fault::line(line, format!("{} is not an index", quote(word)));
+                        let problem = || FileError::line(line, format!("{} is not an index", quote(word)));
                         element.corners.push(word.parse().map_err(|_| problem())?);
                     }
                 }
@@ -240,7 +248,7 @@ fn ascii_element(
         }
     }
     match words.next() {
-        Some(word) => Err(Fault::line(line, format!("{} is one number too many", quote(word)))),
+        Some(word) => Err(FileError::line(line, format!("{} is one number too many", quote(word)))),
         None => Ok(element),
     }
 }
@@ -251,7 +259,7 @@ fn binary(
     order: Encoding,
     header: &Header,
     mut elements: Elements,
-) -> Result<Elements, Fault> {
+) -> Result<Elements, FileError> {
     let parser = Parser::<Element>::new();
     let mut rest = payload;
     // Elements without properties have no bytes, whatever their number.
@@ -263,8 +271,8 @@ fn binary(
                 _ => parser.read_little_endian_element(&mut rest, def),
             };
             let element = element.map_err(|error| match error.kind() {
-                std::io::ErrorKind::UnexpectedEof => Fault::byte(file_size, inside(def, index)),
-                _ => Fault { place: Place::Byte(start), ..header_fault(&error) },
+                std::io::ErrorKind::UnexpectedEof => FileError::byte(file_size, inside(def, index)),
+                _ => FileError { place: Place::Byte(start), ..header_fault(&error) },
             })?;
             elements.add(&def.name, &element, Place::Byte(start))?;
         }
@@ -272,7 +280,7 @@ fn binary(
     if rest.is_empty() {
         Ok(elements)
     } else {
-        Err(Fault::byte(file_size - rest.len(), "more bytes than the header announces"))
+        Err(FileError::byte(file_size - rest.len(), "more bytes than the header announces"))
     }
 }
 
@@ -329,17 +337,17 @@ mod tests {
     #[test]
     fn faults_of_ascii_name_their_line() {
         let fault = |rest: &str| parse(&ascii_file(rest)).unwrap_err();
-        assert_eq!(fault("0 0 0 0\n0 zero 0 0\n"), Fault::line(13, "'zero' is not a number"));
-        assert_eq!(fault("0 0 0 0\n0 nan 0 0\n"), Fault::line(13, "the coordinate 'nan' is not finite"));
-        assert_eq!(fault("0 0 0 0\n0 0 0\n"), Fault::line(13, "a number is missing"));
-        assert_eq!(fault("0 0 0 0 0\n"), Fault::line(12, "'0' is one number too many"));
+        assert_eq!(fault("0 0 0 0\n0 zero 0 0\n"), FileError::line(13, "'zero' is not a number"));
+        assert_eq!(fault("0 0 0 0\n0 nan 0 0\n"), FileError::line(13, "the coordinate 'nan' is not finite"));
+        assert_eq!(fault("0 0 0 0\n0 0 0\n"), FileError::line(13, "a number is missing"));
+        assert_eq!(fault("0 0 0 0 0\n"), FileError::line(12, "'0' is one number too many"));
         let vertices = "0 0 0 0\n0 0 0 0\n0 0 0 0\n";
-        assert_eq!(fault(vertices), Fault::line(15, "the file ends at face 0 of 1"));
+        assert_eq!(fault(vertices), FileError::line(15, "the file ends at face 0 of 1"));
         let face = |line: &str| fault(&format!("{vertices}{line}\n"));
-        assert_eq!(face("3 0 1 3"), Fault::line(15, "vertex 3 of 3, counted from 0, does not exist"));
-        assert_eq!(face("3 0 1 -1"), Fault::line(15, "vertex -1 of 3, counted from 0, does not exist"));
-        assert_eq!(face("2 0 1"), Fault::line(15, "a face with 2 corners, at least 3 are needed"));
-        assert_eq!(face("3 0 1 2\n3 0 1 2"), Fault::line(16, "more lines than the header announces"));
+        assert_eq!(face("3 0 1 3"), FileError::line(15, "vertex 3 of 3, counted from 0, does not exist"));
+        assert_eq!(face("3 0 1 -1"), FileError::line(15, "vertex -1 of 3, counted from 0, does not exist"));
+        assert_eq!(face("2 0 1"), FileError::line(15, "a face with 2 corners, at least 3 are needed"));
+        assert_eq!(face("3 0 1 2\n3 0 1 2"), FileError::line(16, "more lines than the header announces"));
     }
 
     #[test]
@@ -349,16 +357,19 @@ mod tests {
             let end = file.len();
             assert_eq!(
                 parse(&file[..size + 20]),
-                Err(Fault::byte(size + 20, "the file ends at vertex 1 of 3"))
+                Err(FileError::byte(size + 20, "the file ends at vertex 1 of 3"))
             );
-            assert_eq!(parse(&file[..end - 2]), Err(Fault::byte(end - 2, "the file ends at face 0 of 1")));
+            assert_eq!(
+                parse(&file[..end - 2]),
+                Err(FileError::byte(end - 2, "the file ends at face 0 of 1"))
+            );
             let more = [file.as_slice(), b"\n"].concat();
-            assert_eq!(parse(&more), Err(Fault::byte(end, "more bytes than the header announces")));
+            assert_eq!(parse(&more), Err(FileError::byte(end, "more bytes than the header announces")));
             let (file, size) = binary_file(big, f64::INFINITY, [0, 1, 2]);
-            assert_eq!(parse(&file), Err(Fault::byte(size, "the coordinate inf is not finite")));
+            assert_eq!(parse(&file), Err(FileError::byte(size, "the coordinate inf is not finite")));
             let (file, size) = binary_file(big, 0.0, [0, 1, 3]);
             let problem = "vertex 3 of 3, counted from 0, does not exist";
-            assert_eq!(parse(&file), Err(Fault::byte(size + 3 * 17, problem)));
+            assert_eq!(parse(&file), Err(FileError::byte(size + 3 * 17, problem)));
         }
     }
 
@@ -386,29 +397,29 @@ mod tests {
             assert_eq!(points(&bytes).unwrap(), want);
             assert_eq!(
                 points(&bytes[..size + 20]),
-                Err(Fault::byte(size + 20, "the file ends at vertex 1 of 3"))
+                Err(FileError::byte(size + 20, "the file ends at vertex 1 of 3"))
             );
             let (bytes, size) = binary_file(big, 1e39, [0, 1, 2]);
-            assert_eq!(points(&bytes), Err(Fault::byte(size, "the coordinate 1e39 is beyond f32")));
+            assert_eq!(points(&bytes), Err(FileError::byte(size, "the coordinate 1e39 is beyond f32")));
         }
         let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n";
         let with_z = format!("{cloud}property float z\nend_header\n");
         let fault = |text: &str| points(text.as_bytes()).unwrap_err();
         assert_eq!(points(format!("{with_z}1 2 3\n").as_bytes()).unwrap(), [[1.0, 2.0, 3.0]]);
-        assert_eq!(fault(&with_z), Fault::line(8, "the file ends at vertex 0 of 1"));
-        assert_eq!(fault(&format!("{with_z}1 2\n")), Fault::line(8, "a number is missing"));
+        assert_eq!(fault(&with_z), FileError::line(8, "the file ends at vertex 0 of 1"));
+        assert_eq!(fault(&format!("{with_z}1 2\n")), FileError::line(8, "a number is missing"));
         assert_eq!(fault(&format!("{with_z}1 2 -inf\n")).problem, "the coordinate '-inf' is not finite");
         assert_eq!(
             fault(&format!("{with_z}1 2 -4e38\n")),
-            Fault::line(8, "the coordinate -4e38 is beyond f32")
+            FileError::line(8, "the coordinate -4e38 is beyond f32")
         );
         assert_eq!(
             fault(&format!("{cloud}end_header\n1 2\n")),
-            Fault::file("the element 'vertex' has no number 'z'")
+            FileError::file("the element 'vertex' has no number 'z'")
         );
         assert_eq!(
             fault("ply\nformat ascii 1.0\nend_header\n"),
-            Fault::file("not a cloud: there is no element 'vertex'")
+            FileError::file("not a cloud: there is no element 'vertex'")
         );
     }
 
@@ -418,13 +429,16 @@ mod tests {
         assert_eq!(fault("solid\n").place, Place::Line(1));
         assert_eq!(fault("ply\nformat ascii 2\n").place, Place::Line(2));
         let later = "ply\nformat ascii 2.0\nelement vertex 0\nend_header\n";
-        assert_eq!(fault(later), Fault::file("the format's version is 2.0, and the only one known is 1.0"));
+        assert_eq!(
+            fault(later),
+            FileError::file("the format's version is 2.0, and the only one known is 1.0")
+        );
         let cloud = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n";
         assert_eq!(
             fault(&format!("{cloud}property float z\nend_header\n")),
-            Fault::file("not a mesh: there is no element 'face'")
+            FileError::file("not a mesh: there is no element 'face'")
         );
         let flat = format!("{cloud}element face 0\nproperty list uchar int vertex_indices\nend_header\n");
-        assert_eq!(fault(&flat), Fault::file("the element 'vertex' has no number 'z'"));
+        assert_eq!(fault(&flat), FileError::file("the element 'vertex' has no number 'z'"));
     }
 }

@@ -1,7 +1,9 @@
 //! Lines and words of text files.
 
-use crate::error::Fault;
+use super::error::FileError;
 use alloc::borrow::Cow;
+use alloc::format;
+use alloc::string::String;
 
 /// Whether a point can be one of a cloud, whose coordinates are `f32`. Else the problem.
 pub(super) fn check_single(point: [f64; 3]) -> Result<(), String> {
@@ -18,7 +20,7 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// The lines of a text with their numbers, from 1. A line ends in LF, CR LF or CR.
-pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut rest = text;
     (1..).map_while(move |number| {
         let end = rest.bytes().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
@@ -29,20 +31,24 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Refuses a text whose last line has no end, counted from a first line.
-pub(crate) fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
+/// Refuses a text whose last line has no end: the file may have been truncated. Lines are counted from `first_line`.
+///
+/// # Errors
+/// [`FileError`], with the last line.
+pub fn check_last_line(text: &str, first_line: usize) -> Result<(), FileError> {
     if text.is_empty() || text.ends_with(['\n', '\r']) {
         return Ok(());
     }
     let last = first_line + lines(text).count() - 1;
-    Err(Fault::line(
+    Err(FileError::line(
         last,
         "the last line does not end: if the file was not cut there, end it with a line break",
     ))
 }
 
 /// A word of a file, for a message: no longer than a line, and visible.
-pub(crate) fn quote(word: &str) -> String {
+#[must_use]
+pub fn quote(word: &str) -> String {
     let short: String = word.chars().take(40).flat_map(char::escape_debug).collect();
     if word.chars().nth(40).is_some() { format!("'{short}...'") } else { format!("'{short}'") }
 }
@@ -51,19 +57,19 @@ pub(crate) fn quote(word: &str) -> String {
 pub(super) fn numbers_left<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     line: usize,
-) -> Result<usize, Fault> {
+) -> Result<usize, FileError> {
     let mut count = 0;
     for word in words {
-        word.parse::<f64>().map_err(|_| Fault::line(line, format!("{} is not a number", quote(word))))?;
+        word.parse::<f64>().map_err(|_| FileError::line(line, format!("{} is not a number", quote(word))))?;
         count += 1;
     }
     Ok(count)
 }
 
 /// A count, or an index from 0, in a text file. Indices are 32 bits wide in a tree.
-pub(super) fn count(word: Option<&str>, line: usize) -> Result<u32, Fault> {
-    let word = word.ok_or_else(|| Fault::line(line, "a count or index is missing"))?;
-    word.parse().map_err(|_| Fault::line(line, format!("{} is not a count or index", quote(word))))
+pub(super) fn count(word: Option<&str>, line: usize) -> Result<u32, FileError> {
+    let word = word.ok_or_else(|| FileError::line(line, "a count or index is missing"))?;
+    word.parse().map_err(|_| FileError::line(line, format!("{} is not a count or index", quote(word))))
 }
 
 /// The problem of an index from 0.

@@ -8,6 +8,7 @@
 //! at each point. No triangle has the opposite orientation, and no two edges cross; so the triangles tile the inside of
 //! the polygon.
 
+use alloc::vec::Vec;
 use robust::{Coord, orient2d};
 
 /// The error of a polygon that cannot be triangulated.
@@ -134,6 +135,7 @@ fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec;
 
     /// Points on an integer grid, lifted to an oblique plane: x, y, and x + 2 y.
     fn slanted(flat: &[[i32; 2]]) -> Vec<[f64; 3]> {

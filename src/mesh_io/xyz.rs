@@ -5,10 +5,12 @@
 //! point. `#` begins a comment, to the end of the line.
 
 use super::decimals::Decimals;
+use super::error::FileError;
 use super::text::{check_last_line, check_single, lines, numbers_left};
-use crate::error::Fault;
+use alloc::format;
+use alloc::vec::Vec;
 
-pub(super) fn points(text: &str) -> Result<Vec<[f64; 3]>, Fault> {
+pub(super) fn points(text: &str) -> Result<Vec<[f64; 3]>, FileError> {
     let mut decimals = Decimals::default();
     let mut points = Vec::new();
     let mut first = None;
@@ -21,14 +23,17 @@ pub(super) fn points(text: &str) -> Result<Vec<[f64; 3]>, Fault> {
             continue;
         }
         if count < 3 {
-            return Err(Fault::line(number, format!("{count} numbers, a point is at least 3: x y z")));
+            return Err(FileError::line(number, format!("{count} numbers, a point is at least 3: x y z")));
         }
         let point = decimals.point(&mut words, number)?;
         numbers_left(&mut words, number)?;
-        check_single(point).map_err(|problem| Fault::line(number, problem))?;
+        check_single(point).map_err(|problem| FileError::line(number, problem))?;
         let &mut (line, columns) = first.get_or_insert((number, count));
         if count != columns {
-            return Err(Fault::line(number, format!("{count} numbers, on line {line} there are {columns}")));
+            return Err(FileError::line(
+                number,
+                format!("{count} numbers, on line {line} there are {columns}"),
+            ));
         }
         points.push(point);
     }
@@ -52,14 +57,14 @@ mod tests {
     #[test]
     fn faults_name_their_line() {
         let fault = |text: &str| points(text).unwrap_err();
-        assert_eq!(fault("0 0 0\n\n1 2\n"), Fault::line(3, "2 numbers, a point is at least 3: x y z"));
-        assert_eq!(fault("1000\n0 0 0\n"), Fault::line(1, "1 numbers, a point is at least 3: x y z"));
-        assert_eq!(fault("#\n0 0 0 1\n0 0 0\n"), Fault::line(3, "3 numbers, on line 2 there are 4"));
-        assert_eq!(fault("0 0 zero\n"), Fault::line(1, "'zero' is not a number"));
-        assert_eq!(fault("0 0 0 red\n"), Fault::line(1, "'red' is not a number"));
-        assert_eq!(fault("0 nan 0\n"), Fault::line(1, "the coordinate 'nan' is not finite"));
-        assert_eq!(fault("0 0 0\n0 0 -inf\n"), Fault::line(2, "the coordinate '-inf' is not finite"));
-        assert_eq!(fault("0 0 0\n0 1e39 0\n"), Fault::line(2, "the coordinate 1e39 is beyond f32"));
+        assert_eq!(fault("0 0 0\n\n1 2\n"), FileError::line(3, "2 numbers, a point is at least 3: x y z"));
+        assert_eq!(fault("1000\n0 0 0\n"), FileError::line(1, "1 numbers, a point is at least 3: x y z"));
+        assert_eq!(fault("#\n0 0 0 1\n0 0 0\n"), FileError::line(3, "3 numbers, on line 2 there are 4"));
+        assert_eq!(fault("0 0 zero\n"), FileError::line(1, "'zero' is not a number"));
+        assert_eq!(fault("0 0 0 red\n"), FileError::line(1, "'red' is not a number"));
+        assert_eq!(fault("0 nan 0\n"), FileError::line(1, "the coordinate 'nan' is not finite"));
+        assert_eq!(fault("0 0 0\n0 0 -inf\n"), FileError::line(2, "the coordinate '-inf' is not finite"));
+        assert_eq!(fault("0 0 0\n0 1e39 0\n"), FileError::line(2, "the coordinate 1e39 is beyond f32"));
         assert_eq!(
             fault("0 0 0\n0 0 1").problem,
             "the last line does not end: if the file was not cut there, end it with a line break"

@@ -19,6 +19,7 @@
 
 mod data;
 mod decimals;
+mod error;
 mod obj;
 mod off;
 mod ply;
@@ -27,81 +28,83 @@ mod stl;
 mod text;
 mod xyz;
 
-pub(crate) use data::MeshData;
-pub(crate) use text::{check_last_line, lines, quote};
+pub use data::MeshData;
+pub use error::{FileError, Place};
+pub use text::{check_last_line, lines, quote};
 
-use crate::error::{Error, Fault};
+use alloc::string::String;
+use alloc::vec::Vec;
 use std::path::Path;
 use text::text;
 
-/// Whether a file without triangles is accepted.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Empty {
-    /// The body is meant to be empty.
-    Allowed,
-    /// The file is assumed to be damaged.
-    Refused,
-}
-
-/// Reads a mesh, by the file's extension.
-pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, Error> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    let parse = match extension.as_str() {
+/// Reads a mesh. The extension of `name` decides the format: .obj, .off, .ply or .stl. A file without triangles becomes
+/// a mesh without triangles.
+///
+/// ```
+/// let file = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let mesh = simdop::mesh_io::read("a.obj", file)?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// let error = simdop::mesh_io::read("a.obj", b"v 0 0 zero\n").unwrap_err();
+/// assert_eq!(error.to_string(), "line 1: 'zero' is not a number");
+/// # Ok::<(), simdop::mesh_io::FileError>(())
+/// ```
+///
+/// # Errors
+/// [`FileError`]: the extension is not that of a mesh, the file is empty, or its contents are invalid.
+pub fn read(name: impl AsRef<Path>, bytes: &[u8]) -> Result<MeshData, FileError> {
+    let parse = match extension(name.as_ref()).as_str() {
         "obj" => |bytes: &[u8]| obj::parse(&text(bytes)),
         "off" => |bytes: &[u8]| off::parse(&text(bytes)),
         "ply" => ply::parse,
         "stl" => stl::parse,
-        "dae" => |_: &[u8]| Err(Fault::file("COLLADA is not read: convert it to .obj, .off, .ply or .stl")),
+        "dae" => {
+            |_: &[u8]| Err(FileError::file("COLLADA is not read: convert it to .obj, .off, .ply or .stl"))
+        }
         _ => |_: &[u8]| {
-            Err(Fault::file("neither a tree nor a mesh: a mesh's name ends in .obj, .off, .ply or .stl"))
+            Err(FileError::file("neither a tree nor a mesh: a mesh's name ends in .obj, .off, .ply or .stl"))
         },
     };
     // An empty file is a failed copy, not a mesh without triangles.
-    let mesh = if bytes.is_empty() { Err(Fault::file("the file is empty")) } else { parse(bytes) };
-    let mesh = mesh.map_err(|fault| Error::content(path, fault))?;
-    if mesh.triangles.is_empty() && empty == Empty::Refused {
-        let problem = "there is no triangle in the file (--allow-empty takes it for an empty body)";
-        return Err(Error::content(path, Fault::file(problem)));
-    }
-    Ok(mesh)
+    if bytes.is_empty() { Err(FileError::file("the file is empty")) } else { parse(bytes) }
 }
 
-/// Reads the points of a cloud, by the file's extension. At least one, all within the range of `f32`.
-pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    let points = match extension.as_str() {
-        _ if bytes.is_empty() => Err(Fault::file("the file is empty")),
+/// Reads the points of a cloud: .ply or .xyz. At least one, all within the range of `f32`.
+///
+/// # Errors
+/// [`FileError`], as [`read`]; or there is no point.
+pub fn points(name: impl AsRef<Path>, bytes: &[u8]) -> Result<Vec<[f64; 3]>, FileError> {
+    let points = match extension(name.as_ref()).as_str() {
+        _ if bytes.is_empty() => Err(FileError::file("the file is empty")),
         "ply" => ply::points(bytes),
         "xyz" => xyz::points(&text(bytes)),
-        _ => Err(Fault::file("not a cloud: a cloud's name ends in .ply or .xyz")),
-    };
-    match points {
-        Ok(points) if points.is_empty() => {
-            Err(Error::content(path, Fault::file("there is no point in the file")))
-        }
-        points => points.map_err(|fault| Error::content(path, fault)),
-    }
+        _ => Err(FileError::file("not a cloud: a cloud's name ends in .ply or .xyz")),
+    }?;
+    if points.is_empty() { Err(FileError::file("there is no point in the file")) } else { Ok(points) }
+}
+
+fn extension(name: &Path) -> String {
+    name.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Place;
+    use alloc::format;
+    use alloc::string::ToString;
 
     #[test]
     fn the_extension_decides() {
-        let error =
-            |name: &str, bytes: &[u8]| read(Path::new(name), bytes, Empty::Allowed).unwrap_err().to_string();
-        assert!(error("a.step", b"x").starts_with("a.step: neither a tree nor a mesh"));
-        assert_eq!(error("a.obj", b"v 0 0 \xff"), "a.obj, line 1: '\u{fffd}' is not a number");
-        assert_eq!(error("a.off", b"\x89PNG"), "a.off, line 1: the first word is '\u{fffd}PNG', not OFF");
+        let error = |name: &str, bytes: &[u8]| read(name, bytes).unwrap_err().to_string();
+        assert!(error("a.step", b"x").starts_with("neither a tree nor a mesh"));
+        assert_eq!(error("a.obj", b"v 0 0 \xff"), "line 1: '\u{fffd}' is not a number");
+        assert_eq!(error("a.off", b"\x89PNG"), "line 1: the first word is '\u{fffd}PNG', not OFF");
         for name in ["a.obj", "a.off", "a.ply", "a.stl"] {
-            assert_eq!(error(name, b""), format!("{name}: the file is empty"));
+            assert_eq!(error(name, b""), "the file is empty");
         }
     }
 
     #[test]
-    fn no_triangle_is_a_mesh_only_if_that_is_meant() {
+    fn a_file_may_have_no_triangle() {
         let files: [(&str, &[u8]); 6] = [
             ("a.OBJ", b"\xef\xbb\xbf# caf\xe9\nv 0 0 0\n"),
             ("comment.obj", b"# v 0 0 0\r# f 1 1 1\r"),
@@ -112,10 +115,7 @@ mod tests {
                 element face 0\nproperty list uchar int vertex_index\nend_header\n"),
         ];
         for (name, bytes) in files {
-            let mesh = |empty| read(Path::new(name), bytes, empty);
-            assert!(mesh(Empty::Allowed).unwrap().triangles.is_empty());
-            let message = mesh(Empty::Refused).unwrap_err().to_string();
-            assert!(message.starts_with(&format!("{name}: there is no triangle")), "{message}");
+            assert!(read(name, bytes).unwrap().triangles.is_empty(), "{name}");
         }
     }
 
@@ -154,7 +154,7 @@ mod tests {
             ("a.ply", format!("{ply}{vertices}3 0 1 2\n3 4 5 6\n")),
         ];
         for (name, text) in files {
-            let mesh = read(Path::new(name), text.as_bytes(), Empty::Refused).unwrap();
+            let mesh = read(name, text.as_bytes()).unwrap();
             assert_eq!(
                 mesh.vertices,
                 [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
@@ -168,7 +168,7 @@ mod tests {
     fn one_coordinate_that_needs_it_makes_a_file_f64() {
         let read = |z: &str| {
             let text = format!("v 0.1 -.25 {z}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-            read(Path::new("a.obj"), text.as_bytes(), Empty::Refused).unwrap().vertices[0]
+            read("a.obj", text.as_bytes()).unwrap().vertices[0]
         };
         assert_eq!(read("0.3"), [f64::from(0.1_f32), -0.25, f64::from(0.3_f32)]);
         assert_eq!(read("0.30000000001"), [0.1, -0.25, 0.300_000_000_01]);

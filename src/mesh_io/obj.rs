@@ -3,9 +3,12 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::{Decimals, coordinate};
+use super::error::{FileError, Place};
 use super::text::{check_last_line, count, lines, numbers_left, quote};
-use crate::error::{Fault, Place};
 use alloc::borrow::Cow;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
 
 /// Statements with numbers and no surface of their own.
 const NUMBERS: [&str; 12] = ["vt", "vn", "vp", "p", "l", "deg", "bmat", "step", "con", "s", "mg", "lod"];
@@ -34,7 +37,7 @@ const FREE_FORM: [&str; 12] =
 /// Statements that include lines from elsewhere.
 const FETCHING: [&str; 2] = ["call", "csh"];
 
-pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
+pub(super) fn parse(text: &str) -> Result<MeshData, FileError> {
     let mut vertices = Vec::new();
     let mut decimals = Decimals::default();
     // Faces may come before their vertices: indices are checked at the end.
@@ -60,20 +63,20 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
             }
             _ if NUMBERS.contains(&word) || NAMES.contains(&word) => {}
             _ if FREE_FORM.contains(&word) => {
-                return Err(Fault::line(line, format!("{word}: free-form geometry is not supported")));
+                return Err(FileError::line(line, format!("{word}: free-form geometry is not supported")));
             }
             _ if FETCHING.contains(&word) => {
-                return Err(Fault::line(line, format!("{word}: lines from elsewhere are not supported")));
+                return Err(FileError::line(line, format!("{word}: lines from elsewhere are not supported")));
             }
             // Some writers begin with the numbers of vertices and faces, without a keyword.
             _ if is_first && word.parse::<usize>().is_ok() => {
                 let counts = [count(Some(word), line)?, count(words.next(), line)?].map(|n| n as usize);
                 if let Some(more) = words.next() {
-                    return Err(Fault::line(line, format!("{} after two counts", quote(more))));
+                    return Err(FileError::line(line, format!("{} after two counts", quote(more))));
                 }
                 announced = Some((line, counts));
             }
-            _ => return Err(Fault::line(line, format!("{} is no keyword of an OBJ", quote(word)))),
+            _ => return Err(FileError::line(line, format!("{} is no keyword of an OBJ", quote(word)))),
         }
         is_first = false;
     }
@@ -82,7 +85,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     if let Some((line, counts)) = announced.filter(|(_, counts)| *counts != found) {
         let [[v, f], [have_v, have_f]] = [counts, found];
         let problem = format!("{v} vertices and {f} faces are announced, there are {have_v} and {have_f}");
-        return Err(Fault::line(line, problem));
+        return Err(FileError::line(line, problem));
     }
     check_indices(&faces, vertices.len())?;
     decimals.settle(&mut vertices);
@@ -94,19 +97,19 @@ fn continued<'a>(
     first: &'a str,
     line: usize,
     mut next: impl FnMut() -> Option<&'a str>,
-) -> Result<Cow<'a, str>, Fault> {
+) -> Result<Cow<'a, str>, FileError> {
     let Some(open) = first.strip_suffix('\\') else { return Ok(first.into()) };
     // A name may end in a backslash, and the next line would then be lost.
     if open.split_ascii_whitespace().next().is_some_and(|word| NAMES.contains(&word)) {
-        return Err(Fault::line(
+        return Err(FileError::line(
             line,
             "a backslash after a name: it is not clear whether the next line belongs to it",
         ));
     }
-    let mut whole = open.to_string();
+    let mut whole = String::from(open);
     loop {
         let next =
-            next().ok_or_else(|| Fault::line(line, "the file ends in the middle of this statement"))?;
+            next().ok_or_else(|| FileError::line(line, "the file ends in the middle of this statement"))?;
         let next = next.split('#').next().unwrap_or("");
         whole.push(' ');
         let Some(open) = next.strip_suffix('\\') else {
@@ -123,33 +126,33 @@ fn vertex<'a>(
     decimals: &mut Decimals,
     words: &mut impl Iterator<Item = &'a str>,
     line: usize,
-) -> Result<[f64; 3], Fault> {
+) -> Result<[f64; 3], FileError> {
     let p = decimals.point(words, line)?;
     let Some(fourth) = words.next() else { return Ok(p) };
     let weight = coordinate(Some(fourth), line)?;
     match numbers_left(words, line)? {
-        0 if weight != 1.0 => Err(Fault::line(line, "a vertex with a weight other than 1")),
+        0 if weight != 1.0 => Err(FileError::line(line, "a vertex with a weight other than 1")),
         0 | 2 | 3 => Ok(p),
-        more => Err(Fault::line(line, format!("a vertex of {} numbers", 4 + more))),
+        more => Err(FileError::line(line, format!("a vertex of {} numbers", 4 + more))),
     }
 }
 
 /// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`: counted from 1, or backwards from the last one if negative.
-fn corner(word: &str, count: usize, line: usize) -> Result<u32, Fault> {
+fn corner(word: &str, count: usize, line: usize) -> Result<u32, FileError> {
     let mut parts = word.split('/');
     let index = parts.next().unwrap_or("");
     let number: i64 = index
         .parse()
-        .map_err(|_| Fault::line(line, format!("{} is not the index of a vertex", quote(word))))?;
+        .map_err(|_| FileError::line(line, format!("{} is not the index of a vertex", quote(word))))?;
     let is_index = |part: &str| part.is_empty() || part.parse::<i64>().is_ok();
     if !parts.by_ref().take(2).all(is_index) || parts.next().is_some() {
-        return Err(Fault::line(line, format!("{} is not a corner of a face", quote(word))));
+        return Err(FileError::line(line, format!("{} is not a corner of a face", quote(word))));
     }
     let zero_based = if number < 0 { count as i64 + number } else { number - 1 };
     u32::try_from(zero_based).map_err(|_| unknown(number, count, Place::Line(line)))
 }
 
-fn check_indices(faces: &Faces, count: usize) -> Result<(), Fault> {
+fn check_indices(faces: &Faces, count: usize) -> Result<(), FileError> {
     for (corners, place) in faces.iter() {
         if let Some(&v) = corners.iter().find(|v| **v as usize >= count) {
             return Err(unknown(i64::from(v) + 1, count, place));
@@ -158,8 +161,8 @@ fn check_indices(faces: &Faces, count: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-fn unknown(number: i64, count: usize, place: Place) -> Fault {
-    Fault { place, problem: format!("vertex {number} of {count} does not exist") }
+fn unknown(number: i64, count: usize, place: Place) -> FileError {
+    FileError { place, problem: format!("vertex {number} of {count} does not exist") }
 }
 
 #[cfg(test)]
@@ -186,21 +189,27 @@ mod tests {
     #[test]
     fn faults_name_their_line() {
         let fault = |text: &str| parse(text).unwrap_err();
-        assert_eq!(fault("v 0 0\n"), Fault::line(1, "a number is missing"));
-        assert_eq!(fault("\nv 0 x 0\n"), Fault::line(2, "'x' is not a number"));
-        assert_eq!(fault("v 0 nan 0\n"), Fault::line(1, "the coordinate 'nan' is not finite"));
-        assert_eq!(fault("v 0 0 0 2\n"), Fault::line(1, "a vertex with a weight other than 1"));
-        assert_eq!(fault("v 0 0 0\nf 1 1\n"), Fault::line(2, "a face with 2 corners, at least 3 are needed"));
-        assert_eq!(fault("v 0 0 0\nf 1 1 2\n"), Fault::line(2, "vertex 2 of 1 does not exist"));
-        assert_eq!(fault("v 0 0 0\nf 1 1 0\n"), Fault::line(2, "vertex 0 of 1 does not exist"));
-        assert_eq!(fault("v 0 0 0\nf 1 1 -2\n"), Fault::line(2, "vertex -2 of 1 does not exist"));
-        assert_eq!(fault("f a b c\n"), Fault::line(1, "'a' is not the index of a vertex"));
+        assert_eq!(fault("v 0 0\n"), FileError::line(1, "a number is missing"));
+        assert_eq!(fault("\nv 0 x 0\n"), FileError::line(2, "'x' is not a number"));
+        assert_eq!(fault("v 0 nan 0\n"), FileError::line(1, "the coordinate 'nan' is not finite"));
+        assert_eq!(fault("v 0 0 0 2\n"), FileError::line(1, "a vertex with a weight other than 1"));
+        assert_eq!(
+            fault("v 0 0 0\nf 1 1\n"),
+            FileError::line(2, "a face with 2 corners, at least 3 are needed")
+        );
+        assert_eq!(fault("v 0 0 0\nf 1 1 2\n"), FileError::line(2, "vertex 2 of 1 does not exist"));
+        assert_eq!(fault("v 0 0 0\nf 1 1 0\n"), FileError::line(2, "vertex 0 of 1 does not exist"));
+        assert_eq!(fault("v 0 0 0\nf 1 1 -2\n"), FileError::line(2, "vertex -2 of 1 does not exist"));
+        assert_eq!(fault("f a b c\n"), FileError::line(1, "'a' is not the index of a vertex"));
         assert_eq!(
             fault("v 0 0 0\\\n\nsurf 0\n"),
-            Fault::line(3, "surf: free-form geometry is not supported")
+            FileError::line(3, "surf: free-form geometry is not supported")
         );
-        assert_eq!(fault("#\n<html>\n"), Fault::line(2, "'<html>' is no keyword of an OBJ"));
-        assert_eq!(fault("call more.obj\n"), Fault::line(1, "call: lines from elsewhere are not supported"));
+        assert_eq!(fault("#\n<html>\n"), FileError::line(2, "'<html>' is no keyword of an OBJ"));
+        assert_eq!(
+            fault("call more.obj\n"),
+            FileError::line(1, "call: lines from elsewhere are not supported")
+        );
     }
 
     /// A misspelt statement must not be skipped silently, and the body with it.
@@ -208,29 +217,29 @@ mod tests {
     fn nothing_unknown_is_passed_over() {
         let fault = |text: &str| parse(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{text}\nf 1 2 3\n")).unwrap_err();
         for (line, word) in [("F 1 2 3", "F"), ("f1 2 3", "f1"), ("V 0 0 0", "V"), ("fx", "fx"), ("3", "3")] {
-            assert_eq!(fault(line), Fault::line(4, format!("'{word}' is no keyword of an OBJ")));
+            assert_eq!(fault(line), FileError::line(4, format!("'{word}' is no keyword of an OBJ")));
         }
         for line in
             ["v 0 0 0 f 1 2 3", "v 0 0 0 1 x", "v 0 0 0 1 0 0 x", "f 1 2 3 x", "f 1 2 3/x", "f 1/1/1/1 2 3"]
         {
-            let Fault { place, problem } = fault(line);
+            let FileError { place, problem } = fault(line);
             assert_eq!(place, Place::Line(4), "{line}");
             assert!(problem.contains(" is not "), "{line}: {problem}");
         }
-        assert_eq!(fault("v 0 0 0 1 1"), Fault::line(4, "a vertex of 5 numbers"));
-        assert_eq!(fault("v 0 0 0 1 1 1 1 1"), Fault::line(4, "a vertex of 8 numbers"));
+        assert_eq!(fault("v 0 0 0 1 1"), FileError::line(4, "a vertex of 5 numbers"));
+        assert_eq!(fault("v 0 0 0 1 1 1 1 1"), FileError::line(4, "a vertex of 8 numbers"));
         let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \n\
             v 0 0 0 .5 .5 .5 1";
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{known}\nf 1//1 2/1/1 3//\n");
         assert_eq!(parse(&text).map(|mesh| (mesh.vertices.len(), mesh.triangles.len())), Ok((3, 1)));
-        let fault = Fault::line(1, "2 vertices and 0 faces are announced, there are 1 and 0");
+        let fault = FileError::line(1, "2 vertices and 0 faces are announced, there are 1 and 0");
         assert_eq!(parse("2 0\nv 0 0 0\n"), Err(fault));
-        assert_eq!(parse("2\nv 0 0 0\n"), Err(Fault::line(1, "a count or index is missing")));
-        assert_eq!(parse("2 0 0\nv 0 0 0\n"), Err(Fault::line(1, "'0' after two counts")));
+        assert_eq!(parse("2\nv 0 0 0\n"), Err(FileError::line(1, "a count or index is missing")));
+        assert_eq!(parse("2 0 0\nv 0 0 0\n"), Err(FileError::line(1, "'0' after two counts")));
         assert_eq!(parse("g a \\\nv 0 0 0\n").unwrap_err().place, Place::Line(1));
         assert_eq!(
             parse("v 0 0 0 \\\n"),
-            Err(Fault::line(1, "the file ends in the middle of this statement"))
+            Err(FileError::line(1, "the file ends in the middle of this statement"))
         );
     }
 
@@ -238,7 +247,7 @@ mod tests {
     fn a_polygon_that_crosses_itself_names_its_line() {
         let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
         assert_eq!(parse(&format!("{corners}f 1 2 3 4\n")).map(|mesh| mesh.triangles.len()), Ok(2));
-        let fault = Fault::line(6, "a polygon whose edges cross each other");
+        let fault = FileError::line(6, "a polygon whose edges cross each other");
         assert_eq!(parse(&format!("{corners}f 1 2 3\nf 1 3 2 4\n")), Err(fault));
     }
 

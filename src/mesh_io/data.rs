@@ -1,14 +1,20 @@
 //! The mesh that a file becomes.
 
+use super::error::{FileError, Place};
 use super::polygon;
-use crate::error::{Fault, Place};
+use crate::construct::Mesh;
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
 use std::collections::HashMap;
 
-/// Vertices and triangles as the library takes them.
+/// The mesh of a file.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct MeshData {
-    pub(crate) vertices: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
+pub struct MeshData {
+    /// The vertices, in the file's unit.
+    pub vertices: Vec<[f64; 3]>,
+    /// Three indices into the vertices for each triangle.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// The faces of a file, before they are cut into triangles: their vertices may come later.
@@ -20,13 +26,17 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    pub(super) fn add(&mut self, corners: impl IntoIterator<Item = u32>, place: Place) -> Result<(), Fault> {
+    pub(super) fn add(
+        &mut self,
+        corners: impl IntoIterator<Item = u32>,
+        place: Place,
+    ) -> Result<(), FileError> {
         let start = self.corners.len();
         self.corners.extend(corners);
         let count = self.corners.len() - start;
         if count < 3 {
             let problem = format!("a face with {count} corners, at least 3 are needed");
-            return Err(Fault { place, problem });
+            return Err(FileError { place, problem });
         }
         self.ends.push((self.corners.len(), place));
         Ok(())
@@ -40,7 +50,7 @@ impl Faces {
     }
 
     /// The mesh of these faces. Every corner is one of the vertices.
-    pub(super) fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, Fault> {
+    pub(super) fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, FileError> {
         let mut triangles = Vec::with_capacity(self.ends.len());
         let mut points = Vec::new();
         for (corners, place) in self.iter() {
@@ -51,15 +61,35 @@ impl Faces {
             points.clear();
             points.extend(corners.iter().map(|&v| vertices[v as usize]));
             polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
-                .map_err(|problem| Fault { place, problem: problem.into() })?;
+                .map_err(|problem| FileError { place, problem: problem.into() })?;
         }
         Ok(MeshData { vertices, triangles }.joined())
     }
 }
 
 impl MeshData {
-    /// The mesh of triangles that are given by their corners.
-    pub(crate) fn of(soup: &[[[f64; 3]; 3]]) -> Self {
+    /// As the builders take it.
+    #[must_use]
+    pub fn as_mesh(&self) -> Mesh<'_> {
+        Mesh { vertices: &self.vertices, triangles: &self.triangles }
+    }
+
+    /// Scales the vertices along each axis. A reflection reverses the triangles, so that what was inside stays inside.
+    #[must_use]
+    pub fn scaled(mut self, scale: [f64; 3]) -> Self {
+        for vertex in &mut self.vertices {
+            *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
+        }
+        if scale.iter().product::<f64>() < 0.0 {
+            self.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
+        }
+        self
+    }
+
+    /// The mesh of triangles that are given by their corners. Corners whose coordinates have the same bits become one
+    /// vertex.
+    #[must_use]
+    pub fn of(soup: &[[[f64; 3]; 3]]) -> Self {
         let first_corners = (0..soup.len() as u32).map(|i| 3 * i);
         Self { vertices: soup.concat(), triangles: first_corners.map(|c| [c, c + 1, c + 2]).collect() }
             .joined()

@@ -3,8 +3,10 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::Decimals;
+use super::error::{FileError, Place};
 use super::text::{check_last_line, count, lines, numbers_left, quote, unknown_vertex};
-use crate::error::{Fault, Place};
+use alloc::format;
+use alloc::vec::Vec;
 
 /// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may follow the three
 /// coordinates of a vertex. A colour has three or four.
@@ -21,21 +23,21 @@ const HEADS: [(&str, &[usize]); 8] = [
 /// How many numbers may follow the corners of a face: a colour, or its index in a table.
 const FACE_COLOUR: [usize; 4] = [0, 1, 3, 4];
 
-pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
+pub(super) fn parse(text: &str) -> Result<MeshData, FileError> {
     let end = lines(text).count() + 1;
     let source = lines(text).map(|(line, content)| (line, content.split('#').next().unwrap_or("").trim()));
     let mut source = source.filter(|(_, content)| !content.is_empty());
     let mut next = |what: &str| {
-        source.next().ok_or_else(|| Fault::line(end, format!("the file ends before its {what}")))
+        source.next().ok_or_else(|| FileError::line(end, format!("the file ends before its {what}")))
     };
 
     let (mut line, first) = next("first line")?;
     let (head, mut counts) = first.split_once(char::is_whitespace).unwrap_or((first, ""));
     let Some((_, after_vertex)) = HEADS.iter().find(|(known, _)| *known == head) else {
-        return Err(Fault::line(line, format!("the first word is {}, not OFF", quote(head))));
+        return Err(FileError::line(line, format!("the first word is {}, not OFF", quote(head))));
     };
     if counts.trim() == "BINARY" {
-        return Err(Fault::line(line, "binary OFF is not supported"));
+        return Err(FileError::line(line, "binary OFF is not supported"));
     }
     if counts.is_empty() {
         (line, counts) = next("counts")?;
@@ -63,7 +65,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         for _ in 0..count(words.next(), line)? {
             let index = count(words.next(), line)?;
             if index >= vertex_count {
-                return Err(Fault::line(line, unknown_vertex(index.into(), vertex_count as usize)));
+                return Err(FileError::line(line, unknown_vertex(index.into(), vertex_count as usize)));
             }
             corners.push(index);
         }
@@ -71,7 +73,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         faces.add(corners.iter().copied(), Place::Line(line))?;
     }
     if let Some((line, _)) = source.next() {
-        return Err(Fault::line(line, "more lines than the counts announce"));
+        return Err(FileError::line(line, "more lines than the counts announce"));
     }
     check_last_line(text, 1)?;
     decimals.settle(&mut vertices);
@@ -83,12 +85,12 @@ fn check_rest<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     allowed: &[usize],
     line: usize,
-) -> Result<(), Fault> {
+) -> Result<(), FileError> {
     let count = numbers_left(words, line)?;
     if allowed.contains(&count) {
         return Ok(());
     }
-    Err(Fault::line(line, format!("{count} more numbers at the end of the line, not one of {allowed:?}")))
+    Err(FileError::line(line, format!("{count} more numbers at the end of the line, not one of {allowed:?}")))
 }
 
 #[cfg(test)]
@@ -117,34 +119,37 @@ mod tests {
     #[test]
     fn faults_name_their_line() {
         let fault = |text: &str| parse(text).unwrap_err();
-        assert_eq!(fault("OFFICE\n"), Fault::line(1, "the first word is 'OFFICE', not OFF"));
-        assert_eq!(fault("OFF BINARY\n"), Fault::line(1, "binary OFF is not supported"));
-        assert_eq!(fault("OFF\n1 0 0\n"), Fault::line(3, "the file ends before its last vertex"));
-        assert_eq!(fault("OFF\n1 1 0\n0 0 0\n"), Fault::line(4, "the file ends before its last face"));
-        assert_eq!(fault("OFF\n1 x\n"), Fault::line(2, "'x' is not a count or index"));
-        assert_eq!(fault("OFF\n1 1 0\n0 0 inf\n"), Fault::line(3, "the coordinate 'inf' is not finite"));
+        assert_eq!(fault("OFFICE\n"), FileError::line(1, "the first word is 'OFFICE', not OFF"));
+        assert_eq!(fault("OFF BINARY\n"), FileError::line(1, "binary OFF is not supported"));
+        assert_eq!(fault("OFF\n1 0 0\n"), FileError::line(3, "the file ends before its last vertex"));
+        assert_eq!(fault("OFF\n1 1 0\n0 0 0\n"), FileError::line(4, "the file ends before its last face"));
+        assert_eq!(fault("OFF\n1 x\n"), FileError::line(2, "'x' is not a count or index"));
+        assert_eq!(fault("OFF\n1 1 0\n0 0 inf\n"), FileError::line(3, "the coordinate 'inf' is not finite"));
         assert_eq!(
             fault("OFF\n1 1 0\n0 0 0\n3 0 0 1\n"),
-            Fault::line(4, "vertex 1 of 1, counted from 0, does not exist")
+            FileError::line(4, "vertex 1 of 1, counted from 0, does not exist")
         );
-        assert_eq!(fault("OFF\n1 1 0\n0 0 0\n3 0 0\n"), Fault::line(4, "a count or index is missing"));
+        assert_eq!(fault("OFF\n1 1 0\n0 0 0\n3 0 0\n"), FileError::line(4, "a count or index is missing"));
         assert_eq!(
             fault("OFF\n1 1 0\n0 0 0\n2 0 0\n"),
-            Fault::line(4, "a face with 2 corners, at least 3 are needed")
+            FileError::line(4, "a face with 2 corners, at least 3 are needed")
         );
         assert_eq!(
             fault("OFF\n1 0 0\n0 0 0\n3 0 0 0\n"),
-            Fault::line(4, "more lines than the counts announce")
+            FileError::line(4, "more lines than the counts announce")
         );
         let rest = |line: usize, count: usize, allowed: &str| {
-            Fault::line(line, format!("{count} more numbers at the end of the line, not one of {allowed}"))
+            FileError::line(
+                line,
+                format!("{count} more numbers at the end of the line, not one of {allowed}"),
+            )
         };
         assert_eq!(fault("OFF 1 1 0 0\n"), rest(1, 2, "[0, 1]"));
         assert_eq!(fault("OFF 1 1 0\n0 0 0 7\n"), rest(2, 1, "[0]"));
         assert_eq!(fault("COFF 1 1 0\n0 0 0\n"), rest(2, 0, "[3, 4]"));
-        assert_eq!(fault("OFF 1 1 0\n0 0 0 x\n"), Fault::line(2, "'x' is not a number"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0 x\n"), FileError::line(2, "'x' is not a number"));
         assert_eq!(fault("OFF 1 1 0\n0 0 0\n3 0 0 0 1 2\n"), rest(3, 2, "[0, 1, 3, 4]"));
-        assert_eq!(fault("OFF 1 1 0\n0 0 0\n3 0 0 0 f\n"), Fault::line(3, "'f' is not a number"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0\n3 0 0 0 f\n"), FileError::line(3, "'f' is not a number"));
     }
 
     #[test]

@@ -1,15 +1,16 @@
 //! Coordinates of text files: the type that stores them without loss.
 
+use super::error::FileError;
 use super::text::quote;
-use crate::error::Fault;
+use alloc::format;
 
 /// A coordinate in a text file: the nearest `f64`.
-pub(super) fn coordinate(word: Option<&str>, line: usize) -> Result<f64, Fault> {
-    let word = word.ok_or_else(|| Fault::line(line, "a number is missing"))?;
+pub(super) fn coordinate(word: Option<&str>, line: usize) -> Result<f64, FileError> {
+    let word = word.ok_or_else(|| FileError::line(line, "a number is missing"))?;
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(Fault::line(line, format!("the coordinate {} is not finite", quote(word)))),
-        Err(_) => Err(Fault::line(line, format!("{} is not a number", quote(word)))),
+        Ok(_) => Err(FileError::line(line, format!("the coordinate {} is not finite", quote(word)))),
+        Err(_) => Err(FileError::line(line, format!("{} is not a number", quote(word)))),
     }
 }
 
@@ -20,7 +21,7 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    pub(super) fn coordinate(&mut self, word: Option<&str>, line: usize) -> Result<f64, Fault> {
+    pub(super) fn coordinate(&mut self, word: Option<&str>, line: usize) -> Result<f64, FileError> {
         let x = coordinate(word, line)?;
         self.need_f64 = self.need_f64 || !word.is_some_and(|word| survives_f32(word, x));
         Ok(x)
@@ -30,7 +31,7 @@ impl Decimals {
         &mut self,
         words: &mut impl Iterator<Item = &'a str>,
         line: usize,
-    ) -> Result<[f64; 3], Fault> {
+    ) -> Result<[f64; 3], FileError> {
         let mut next = || self.coordinate(words.next(), line);
         Ok([next()?, next()?, next()?])
     }
@@ -75,7 +76,7 @@ mod tests {
         assert_eq!(coordinate(Some("5e-324"), 1).unwrap().to_bits(), 1);
         for word in ["nan", "-inf", "1e999"] {
             let problem = format!("the coordinate '{word}' is not finite");
-            assert_eq!(coordinate(Some(word), 7), Err(Fault::line(7, problem)));
+            assert_eq!(coordinate(Some(word), 7), Err(FileError::line(7, problem)));
         }
     }
 
