@@ -71,7 +71,7 @@ fn main() {
     let (folder, read) = (Path::new(&folder), |path: &Path| std::fs::read_to_string(path).unwrap());
     let (urdf, srdf) = (read(&folder.join("panda.urdf")), read(&folder.join("panda.srdf")));
     let robot = Robot::from_urdf(&urdf, LinkShapes::Collision).unwrap();
-    let pairs = robot.pairs(&DisabledPair::from_srdf(&srdf).unwrap());
+    let pairs = robot.pairs(&DisabledPair::from_srdf(&srdf).unwrap()).unwrap();
     let meshes: Vec<Triangles> = robot
         .shapes
         .iter()

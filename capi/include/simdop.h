@@ -17,8 +17,9 @@
  * sixteen at a time; simdop_scene_place_all() places many bodies. A cloud is a set of points that move, which searches
  * and scenes use.
  *
- * URDF. The functions of simdop_description are declared if SIMDOP_URDF is defined, as CMake's targets and pkg-config
- * define it: the library has them unless it was built without its feature urdf.
+ * Planners. A simdop_planner reads a robot from its files and is asked by the values of its joints. Its functions are
+ * declared if SIMDOP_PLANNING is defined, and those of simdop_description if SIMDOP_URDF is. CMake's targets and
+ * pkg-config define both: the library has these functions unless it was built without its features planning and urdf.
  *
  * Errors. A function that can fail returns a simdop_error, which is 0 on success. On failure it writes no answer, and
  * sets a new handle to NULL. simdop_error_text() describes a code; simdop_last_error() returns the full message of the
@@ -411,6 +412,30 @@ typedef enum {
    * A body of a description is a mesh file, which the caller reads.
    */
   SIMDOP_ERROR_DESCRIPTION_MESH = 136,
+  /**
+   * An SRDF file names a link, joint or group that the robot does not have.
+   */
+  SIMDOP_ERROR_DESCRIPTION_NO_SUCH_NAME = 137,
+  /**
+   * A file cannot be read.
+   */
+  SIMDOP_ERROR_PLANNER_FILE = 140,
+  /**
+   * A mesh file is invalid.
+   */
+  SIMDOP_ERROR_PLANNER_MESH = 141,
+  /**
+   * The robot has no link of this name with a body.
+   */
+  SIMDOP_ERROR_PLANNER_NO_LINK = 142,
+  /**
+   * The robot has no group of joints of this name.
+   */
+  SIMDOP_ERROR_PLANNER_NO_GROUP = 143,
+  /**
+   * A body of the robot was given where only an object can be.
+   */
+  SIMDOP_ERROR_PLANNER_IS_ROBOT = 144,
 } simdop_error;
 
 /**
@@ -450,6 +475,24 @@ typedef enum {
 } simdop_verdict;
 
 /**
+ * The verdict about a motion.
+ */
+typedef enum {
+  /**
+   * The bodies of no tested pair meet at any time from 0 to 1. Certain.
+   */
+  SIMDOP_MOTION_VERDICT_FREE = 0,
+  /**
+   * Two bodies meet at some time, not necessarily the first.
+   */
+  SIMDOP_MOTION_VERDICT_HIT = 1,
+  /**
+   * No hit was found, but bodies may meet within an interval of time.
+   */
+  SIMDOP_MOTION_VERDICT_UNRESOLVED = 2,
+} simdop_motion_verdict;
+
+/**
  * Whether two bodies meet, over all values of the joints within their limits.
  */
 typedef enum {
@@ -470,24 +513,6 @@ typedef enum {
    */
   SIMDOP_PAIR_CLASS_UNDECIDED = 3,
 } simdop_pair_class;
-
-/**
- * The verdict about a motion.
- */
-typedef enum {
-  /**
-   * The bodies of no tested pair meet at any time from 0 to 1. Certain.
-   */
-  SIMDOP_MOTION_VERDICT_FREE = 0,
-  /**
-   * Two bodies meet at some time, not necessarily the first.
-   */
-  SIMDOP_MOTION_VERDICT_HIT = 1,
-  /**
-   * No hit was found, but bodies may meet within an interval of time.
-   */
-  SIMDOP_MOTION_VERDICT_UNRESOLVED = 2,
-} simdop_motion_verdict;
 
 /**
  * The kind of a joint.
@@ -567,6 +592,14 @@ typedef struct simdop_cloud simdop_cloud;
 typedef struct simdop_description simdop_description;
 #endif
 
+#if defined(SIMDOP_PLANNING)
+/**
+ * A robot with its meshes, and the objects around it. Its bodies and objects share their trees with its copies.
+ * Queries take a workspace each, so that several threads may ask one planner at once.
+ */
+typedef struct simdop_planner simdop_planner;
+#endif
+
 /**
  * A robot: joints, the limits of the variables that move them, and the poses of bodies on the links. Each query names
  * the bodies of the scene that these are.
@@ -577,6 +610,14 @@ typedef struct simdop_robot simdop_robot;
  * A set of bodies at poses in the world.
  */
 typedef struct simdop_scene simdop_scene;
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Memory for the queries of one thread. It serves a planner, its copies, and all later states of them. A query with a
+ * planner that has changed first copies its scene, and allocates.
+ */
+typedef struct simdop_workspace simdop_workspace;
+#endif
 
 /**
  * The holes of a body that are capped.
@@ -846,6 +887,147 @@ typedef struct {
 } simdop_penetration_answer;
 
 /**
+ * The role of a body in a scene. Start from simdop_role_default(): a body whose role is all zeros is tested against
+ * nothing.
+ */
+typedef struct {
+  /**
+   * The body includes everything within this distance of its primitives. Not negative.
+   */
+  double radius;
+  /**
+   * Nonzero: the body stands still. Pairs of such bodies are not tested. simdop_scene_place() may still move it.
+   */
+  int is_fixed;
+  /**
+   * The groups that the body is in: bit i is group i.
+   */
+  uint32_t groups;
+  /**
+   * The groups that it is tested against. A pair is tested if each body is in a group that the other lists here.
+   */
+  uint32_t against;
+} simdop_role;
+
+/**
+ * Two bodies that meet, and primitives of theirs that do; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are none.
+ */
+typedef struct {
+  /**
+   * One of the bodies.
+   */
+  simdop_body_id a;
+  /**
+   * The other.
+   */
+  simdop_body_id b;
+  /**
+   * Their primitives.
+   */
+  simdop_pair pair;
+} simdop_scene_hit;
+
+/**
+ * The answer of simdop_scene_collide() and simdop_scene_within().
+ */
+typedef struct {
+  /**
+   * Whether the bodies of any tested pair meet, or come within the margin.
+   */
+  simdop_verdict verdict;
+  /**
+   * For a hit: the first one found.
+   */
+  simdop_scene_hit hit;
+  /**
+   * Pairs of bodies whose boxes were near each other, and which were tested.
+   */
+  uint64_t pairs;
+  /**
+   * Query statistics, summed over these pairs.
+   */
+  simdop_query_stats stats;
+} simdop_scene_answer;
+
+/**
+ * The answer of simdop_scene_check_motion() and its variants.
+ */
+typedef struct {
+  /**
+   * The verdict.
+   */
+  simdop_motion_verdict verdict;
+  /**
+   * For a hit: the bodies, and primitives of theirs that meet.
+   */
+  simdop_scene_hit hit;
+  /**
+   * For a hit: the time. Otherwise NaN.
+   */
+  double time;
+  /**
+   * For an unresolved verdict: the start of the first unresolved interval of time. Nothing meets before it, unless
+   * only samples were checked. Otherwise NaN.
+   */
+  double from;
+  /**
+   * The end of that interval: at most the resolution later, unless budget or capacity ended the query.
+   */
+  double to;
+  /**
+   * Number of times at which the bodies were placed.
+   */
+  uint64_t times;
+  /**
+   * Pairs of bodies tested, counted once for each time.
+   */
+  uint64_t pairs;
+  /**
+   * Query statistics, summed over these pairs.
+   */
+  simdop_query_stats stats;
+} simdop_motion_answer;
+
+/**
+ * The answer of simdop_scene_clearance(): the smallest distance of two bodies lies in lower ..= upper.
+ */
+typedef struct {
+  /**
+   * Whether the bounds are as close to each other as requested. They hold in any case.
+   */
+  simdop_completion completion;
+  /**
+   * Lower bound: the cutoff, if no two bodies are nearer.
+   */
+  double lower;
+  /**
+   * Upper bound. Infinite if no two bodies nearer than the cutoff were found. 0 if and only if two meet.
+   */
+  double upper;
+  /**
+   * If `upper` is finite: bodies at that distance, and their primitives.
+   */
+  simdop_scene_hit hit;
+  /**
+   * The closest point of `hit.a`'s primitive in the world, up to rounding. Ignores the body's radius. NaN if there
+   * is no hit.
+   */
+  double point_a[3];
+  /**
+   * The closest point of `hit.b`'s primitive.
+   */
+  double point_b[3];
+  /**
+   * Pairs of bodies tested.
+   */
+  uint64_t pairs;
+  /**
+   * Query statistics, summed over these pairs.
+   */
+  simdop_query_stats stats;
+} simdop_scene_clearance_answer;
+
+/**
  * The answer of simdop_collide() and simdop_within().
  */
 typedef struct {
@@ -1047,108 +1229,6 @@ typedef struct {
 } simdop_link_body;
 
 /**
- * The role of a body in a scene. Start from simdop_role_default(): a body whose role is all zeros is tested against
- * nothing.
- */
-typedef struct {
-  /**
-   * The body includes everything within this distance of its primitives. Not negative.
-   */
-  double radius;
-  /**
-   * Nonzero: the body stands still. Pairs of such bodies are not tested. simdop_scene_place() may still move it.
-   */
-  int is_fixed;
-  /**
-   * The groups that the body is in: bit i is group i.
-   */
-  uint32_t groups;
-  /**
-   * The groups that it is tested against. A pair is tested if each body is in a group that the other lists here.
-   */
-  uint32_t against;
-} simdop_role;
-
-/**
- * Two bodies that meet, and primitives of theirs that do; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are none.
- */
-typedef struct {
-  /**
-   * One of the bodies.
-   */
-  simdop_body_id a;
-  /**
-   * The other.
-   */
-  simdop_body_id b;
-  /**
-   * Their primitives.
-   */
-  simdop_pair pair;
-} simdop_scene_hit;
-
-/**
- * The answer of simdop_scene_collide() and simdop_scene_within().
- */
-typedef struct {
-  /**
-   * Whether the bodies of any tested pair meet, or come within the margin.
-   */
-  simdop_verdict verdict;
-  /**
-   * For a hit: the first one found.
-   */
-  simdop_scene_hit hit;
-  /**
-   * Pairs of bodies whose boxes were near each other, and which were tested.
-   */
-  uint64_t pairs;
-  /**
-   * Query statistics, summed over these pairs.
-   */
-  simdop_query_stats stats;
-} simdop_scene_answer;
-
-/**
- * The answer of simdop_scene_clearance(): the smallest distance of two bodies lies in lower ..= upper.
- */
-typedef struct {
-  /**
-   * Whether the bounds are as close to each other as requested. They hold in any case.
-   */
-  simdop_completion completion;
-  /**
-   * Lower bound: the cutoff, if no two bodies are nearer.
-   */
-  double lower;
-  /**
-   * Upper bound. Infinite if no two bodies nearer than the cutoff were found. 0 if and only if two meet.
-   */
-  double upper;
-  /**
-   * If `upper` is finite: bodies at that distance, and their primitives.
-   */
-  simdop_scene_hit hit;
-  /**
-   * The closest point of `hit.a`'s primitive in the world, up to rounding. Ignores the body's radius. NaN if there
-   * is no hit.
-   */
-  double point_a[3];
-  /**
-   * The closest point of `hit.b`'s primitive.
-   */
-  double point_b[3];
-  /**
-   * Pairs of bodies tested.
-   */
-  uint64_t pairs;
-  /**
-   * Query statistics, summed over these pairs.
-   */
-  simdop_query_stats stats;
-} simdop_scene_clearance_answer;
-
-/**
  * Called with each hit. Returns 0 to go on, anything else to stop. It must return, without an exception or a
  * longjmp(), and must not change the scene, which it may query.
  */
@@ -1235,45 +1315,6 @@ typedef struct {
                                  double radius_b,
                                  double span);
 } simdop_motion;
-
-/**
- * The answer of simdop_scene_check_motion() and its variants.
- */
-typedef struct {
-  /**
-   * The verdict.
-   */
-  simdop_motion_verdict verdict;
-  /**
-   * For a hit: the bodies, and primitives of theirs that meet.
-   */
-  simdop_scene_hit hit;
-  /**
-   * For a hit: the time. Otherwise NaN.
-   */
-  double time;
-  /**
-   * For an unresolved verdict: the start of the first unresolved interval of time. Nothing meets before it, unless
-   * only samples were checked. Otherwise NaN.
-   */
-  double from;
-  /**
-   * The end of that interval: at most the resolution later, unless budget or capacity ended the query.
-   */
-  double to;
-  /**
-   * Number of times at which the bodies were placed.
-   */
-  uint64_t times;
-  /**
-   * Pairs of bodies tested, counted once for each time.
-   */
-  uint64_t pairs;
-  /**
-   * Query statistics, summed over these pairs.
-   */
-  simdop_query_stats stats;
-} simdop_motion_answer;
 
 /**
  * The answer of simdop_scene_check_states() and simdop_scene_check_joint_states().
@@ -1682,6 +1723,222 @@ simdop_error simdop_penetration(const simdop_body *a,
                                 const simdop_pose *a_in_b,
                                 uint64_t budget,
                                 simdop_penetration_answer *answer);
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Reads a robot from the files at these paths: a URDF file, an SRDF file, which may be NULL, and the mesh files that the
+ * URDF file names. Holes of at most `cap` are capped: see simdop_body_build_solid_with_caps(). Meshes with wider holes
+ * become surfaces. All variables are planned for.
+ *
+ * # Safety
+ * The paths end with a NUL.
+ */
+simdop_error simdop_planner_load(const char *urdf,
+                                 const char *srdf,
+                                 double cap,
+                                 simdop_planner **planner);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Copies a planner. The copies share all trees.
+ */
+simdop_error simdop_planner_copy(const simdop_planner *planner, simdop_planner **copy);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Destroys a planner. Does nothing for NULL.
+ */
+void simdop_planner_destroy(simdop_planner *planner);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Creates memory for the queries of one thread.
+ */
+simdop_error simdop_workspace_create(const simdop_planner *planner, simdop_workspace **workspace);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Destroys a workspace. Does nothing for NULL.
+ */
+void simdop_workspace_destroy(simdop_workspace *workspace);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the number of variables that are planned for.
+ */
+simdop_error simdop_planner_variables(const simdop_planner *planner, size_t *count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the lower and the upper limit of each variable that is planned for: `limits` has room for twice their number.
+ *
+ * # Safety
+ * The array has this length.
+ */
+simdop_error simdop_planner_limits(const simdop_planner *planner,
+                                   double *limits);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has `count`
+ * numbers: one for each variable of the robot.
+ *
+ * # Safety
+ * The name ends with a NUL, and the array has the stated length.
+ */
+simdop_error simdop_planner_select_group(simdop_planner *planner,
+                                         const char *name,
+                                         const double *rest,
+                                         size_t count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Places the robot's base in the world.
+ */
+simdop_error simdop_planner_place_base(simdop_planner *planner, const simdop_pose *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Adds an object: a body of fixed point or of one shape, which must exist as long as the planner, its copies and their
+ * workspaces. Make it fixed unless it will be attached to the robot.
+ */
+simdop_error simdop_planner_insert(simdop_planner *planner,
+                                   const simdop_body *body,
+                                   const simdop_role *role,
+                                   const simdop_pose *world,
+                                   simdop_body_id *id);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Moves an object, and everything attached to it.
+ */
+simdop_error simdop_planner_place(simdop_planner *planner, simdop_body_id object, const simdop_pose *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Removes an object.
+ */
+simdop_error simdop_planner_remove(simdop_planner *planner, simdop_body_id object);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the first body of a link of the robot.
+ *
+ * # Safety
+ * The name ends with a NUL.
+ */
+simdop_error simdop_planner_link(const simdop_planner *planner, const char *name, simdop_body_id *id);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Attaches an object to a link of the robot, as it stands while the `count` variables have these values. It may touch
+ * that link, and any other that simdop_planner_allow_collision() names.
+ *
+ * # Safety
+ * The name ends with a NUL, and the array has the stated length.
+ */
+simdop_error simdop_planner_attach(simdop_planner *planner,
+                                   simdop_body_id object,
+                                   const char *link,
+                                   const double *values,
+                                   size_t count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Detaches an object from the robot. It stands at `world` from then on, and is tested against all links.
+ */
+simdop_error simdop_planner_detach(simdop_planner *planner, simdop_body_id object, const simdop_pose *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Allows two bodies to meet: no query tests the pair.
+ */
+simdop_error simdop_planner_allow_collision(simdop_planner *planner, simdop_body_id a, simdop_body_id b);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Forbids two bodies to meet: all queries test the pair.
+ */
+simdop_error simdop_planner_forbid_collision(simdop_planner *planner, simdop_body_id a, simdop_body_id b);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Do two bodies come within `margin` of each other in a configuration? `values` has a number for each variable that is
+ * planned for. With the margin 0, it is free if none meet.
+ *
+ * # Safety
+ * The array has this length.
+ */
+simdop_error simdop_planner_within(const simdop_planner *planner,
+                                   simdop_workspace *workspace,
+                                   const double *values,
+                                   double margin,
+                                   simdop_scene_answer *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Which of `state_count` configurations are free? `values` has a number for each variable that is planned for, for the
+ * first configuration, then for the second, and so on. `free` has room for a byte of each: 1 if it is certainly free,
+ * otherwise 0. Writes to `count` how many are.
+ *
+ * # Safety
+ * The arrays have these lengths.
+ */
+simdop_error simdop_planner_check_states(const simdop_planner *planner,
+                                         simdop_workspace *workspace,
+                                         const double *values,
+                                         size_t state_count,
+                                         uint8_t *free,
+                                         size_t *count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
+ * around. `from` and `to` have a number for each variable that is planned for.
+ *
+ * # Safety
+ * The arrays have this length.
+ */
+simdop_error simdop_planner_check_motion(const simdop_planner *planner,
+                                         simdop_workspace *workspace,
+                                         const double *from,
+                                         const double *to,
+                                         simdop_motion_answer *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * The least distance of two bodies in a configuration: like simdop_scene_clearance().
+ *
+ * # Safety
+ * `values` has a number for each variable that is planned for.
+ */
+simdop_error simdop_planner_clearance(const simdop_planner *planner,
+                                      simdop_workspace *workspace,
+                                      const double *values,
+                                      double tolerance,
+                                      double cutoff,
+                                      simdop_scene_clearance_answer *answer);
+#endif
 
 /**
  * The pose of a quaternion (x, y, z, w), whose squared length may differ from 1 by 1e-4, and a translation.

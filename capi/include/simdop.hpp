@@ -996,6 +996,170 @@ class description : public detail::shared<simdop_description, simdop_description
 };
 #endif
 
+/* ---- Planners ---- */
+
+#ifdef SIMDOP_PLANNING
+/* A robot among objects, asked by the values of its joints. Copies share all trees, and what they keep. */
+class planner {
+  public:
+    /* Memory for the queries of one thread. */
+    class workspace : public detail::shared<simdop_workspace, simdop_workspace_destroy> {
+      public:
+        explicit workspace(simdop_workspace *raw) {
+            own(raw);
+        }
+
+      private:
+        friend class planner;
+        /* The bodies that its copy of the scene may refer to. */
+        std::shared_ptr<std::vector<body>> kept_;
+    };
+
+    /* From the paths of a URDF file, an SRDF file, which may be empty, and the meshes that they name. */
+    static result<planner> load(const std::string &urdf, const std::string &srdf = {}, double cap = 0) {
+        return detail::make<planner, simdop_planner>([&](simdop_planner **planner) {
+            return simdop_planner_load(urdf.c_str(), srdf.empty() ? nullptr : srdf.c_str(), cap, planner);
+        });
+    }
+
+    /* Takes over a handle. */
+    explicit planner(simdop_planner *raw) : raw_(raw) {}
+
+    result<planner> copy() const {
+        const auto kept = kept_;
+        simdop_planner *raw = nullptr;
+        const simdop_error code = simdop_planner_copy(get(), &raw);
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        planner made(raw);
+        made.kept_ = kept;
+        return result<planner>(std::move(made));
+    }
+
+    simdop_planner *get() const noexcept {
+        return raw_.get();
+    }
+
+    result<workspace> make_workspace() const {
+        simdop_workspace *raw = nullptr;
+        const simdop_error code = simdop_workspace_create(get(), &raw);
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        workspace made(raw);
+        made.kept_ = kept_;
+        return made;
+    }
+
+    std::size_t variables() const {
+        std::size_t count = 0;
+        (void)simdop_planner_variables(get(), &count);
+        return count;
+    }
+
+    /* Lower and upper limits of the variables that are planned for. */
+    result<std::vector<std::array<double, 2>>> limits() const {
+        std::vector<std::array<double, 2>> limits(variables());
+        const simdop_error code =
+            simdop_planner_limits(get(), view<std::array<double, 2>>(limits).data()->data());
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        return limits;
+    }
+
+    result<void> select_group(const std::string &name, view<const double> rest) {
+        return detail::done(simdop_planner_select_group(get(), name.c_str(), rest.data(), rest.size()));
+    }
+    result<void> place_base(const pose &world) {
+        return detail::done(simdop_planner_place_base(get(), &world));
+    }
+
+    /* The body is kept until the planner and all its copies and workspaces are gone. */
+    result<body_id> insert(const body &body, const pose &world, const simdop_role &role) {
+        kept_->push_back(body);
+        return detail::answer<body_id>(
+            [&](body_id *id) { return simdop_planner_insert(get(), body.get(), &role, &world, id); });
+    }
+
+    result<void> place(body_id object, const pose &world) {
+        return detail::done(simdop_planner_place(get(), object, &world));
+    }
+    result<void> remove(body_id object) {
+        return detail::done(simdop_planner_remove(get(), object));
+    }
+    result<body_id> link(const std::string &name) const {
+        return detail::answer<body_id>([&](body_id *id) { return simdop_planner_link(get(), name.c_str(), id); });
+    }
+    result<void> attach(body_id object, const std::string &link, view<const double> values) {
+        return detail::done(
+            simdop_planner_attach(get(), object, link.c_str(), values.data(), values.size()));
+    }
+    result<void> detach(body_id object, const pose &world) {
+        return detail::done(simdop_planner_detach(get(), object, &world));
+    }
+    result<void> allow_collision(body_id a, body_id b) {
+        return detail::done(simdop_planner_allow_collision(get(), a, b));
+    }
+    result<void> forbid_collision(body_id a, body_id b) {
+        return detail::done(simdop_planner_forbid_collision(get(), a, b));
+    }
+
+    result<simdop_scene_answer> within(workspace &workspace, view<const double> values, double margin = 0) const {
+        if (values.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<simdop_scene_answer>([&](simdop_scene_answer *answer) {
+            return simdop_planner_within(get(), workspace.get(), values.data(), margin, answer);
+        });
+    }
+
+    /* Which configurations are free? Returns how many. */
+    result<std::size_t> check_states(workspace &workspace, view<const double> values,
+                                     view<std::uint8_t> free) const {
+        if (values.size() != variables() * free.size()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<std::size_t>([&](std::size_t *count) {
+            return simdop_planner_check_states(get(), workspace.get(), values.data(), free.size(), free.data(), count);
+        });
+    }
+
+    /* Is the straight motion free at all times? */
+    result<simdop_motion_answer> check_motion(workspace &workspace, view<const double> from,
+                                              view<const double> to) const {
+        if (from.size() != variables() || to.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<simdop_motion_answer>([&](simdop_motion_answer *answer) {
+            return simdop_planner_check_motion(get(), workspace.get(), from.data(), to.data(), answer);
+        });
+    }
+
+    result<simdop_scene_clearance_answer> clearance(
+        workspace &workspace, view<const double> values, double tolerance = 0,
+        double cutoff = std::numeric_limits<double>::infinity()) const {
+        if (values.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<simdop_scene_clearance_answer>([&](simdop_scene_clearance_answer *answer) {
+            return simdop_planner_clearance(get(), workspace.get(), values.data(), tolerance, cutoff, answer);
+        });
+    }
+
+  private:
+    struct destroy {
+        void operator()(simdop_planner *planner) const noexcept {
+            simdop_planner_destroy(planner);
+        }
+    };
+
+    std::shared_ptr<std::vector<body>> kept_ = std::make_shared<std::vector<body>>();
+    std::unique_ptr<simdop_planner, destroy> raw_;
+};
+#endif
+
 } // namespace simdop
 
 #endif /* SIMDOP_HPP */

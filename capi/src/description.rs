@@ -225,7 +225,7 @@ pub unsafe extern "C" fn simdop_description_select_pairs(
             // SAFETY: as above.
             disabled = DisabledPair::from_srdf(unsafe { text(srdf, srdf_count, "srdf") }?)?;
         }
-        let tested = robot.pairs(&disabled);
+        let tested = robot.pairs(&disabled)?;
         let ids: Vec<_> = ids.iter().copied().map(BodyId::from_bits).collect();
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {

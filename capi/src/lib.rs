@@ -16,6 +16,8 @@ mod error;
 mod motion;
 mod packing;
 mod pairs;
+#[cfg(feature = "planning")]
+mod planner;
 mod pose;
 mod query;
 mod range;
@@ -49,6 +51,15 @@ pub use motion::simdop_motion;
 pub use packing::{simdop_cover, simdop_on_filling, simdop_pack, simdop_packing};
 pub use pairs::{
     simdop_each_pair, simdop_on_pair, simdop_pairs, simdop_penetration, simdop_penetration_answer,
+};
+#[cfg(feature = "planning")]
+pub use planner::{
+    simdop_planner, simdop_planner_allow_collision, simdop_planner_attach, simdop_planner_check_motion,
+    simdop_planner_check_states, simdop_planner_clearance, simdop_planner_copy, simdop_planner_destroy,
+    simdop_planner_detach, simdop_planner_forbid_collision, simdop_planner_insert, simdop_planner_limits,
+    simdop_planner_link, simdop_planner_load, simdop_planner_place, simdop_planner_place_base,
+    simdop_planner_remove, simdop_planner_select_group, simdop_planner_variables, simdop_planner_within,
+    simdop_workspace, simdop_workspace_create, simdop_workspace_destroy,
 };
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{

@@ -88,7 +88,7 @@ fn a_scene_of_a_description_answers_as_the_librarys() {
     let rust_ids: Vec<_> = rust.ids().collect();
     for srdf in [None, Some(SRDF)] {
         let disabled = srdf.map_or_else(Vec::new, |srdf| DisabledPair::from_srdf(srdf).unwrap());
-        let pairs = robot.pairs(&disabled);
+        let pairs = robot.pairs(&disabled).unwrap();
         assert_eq!(select(&description, srdf.map(str::as_bytes), &mut c, &ids), simdop_error::None);
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
@@ -164,6 +164,8 @@ fn faulty_descriptions_have_codes() {
     assert_eq!(select(&description, None, &mut scene, &[]), simdop_error::MotionBodies);
     assert_eq!(select(&description, None, &mut scene, &[0]), simdop_error::None, "one body has no pair");
     assert_eq!(select(&description, Some(b"<x"), &mut scene, &[0]), simdop_error::DescriptionFormat);
+    let unknown = br#"<robot><disable_collisions link1="b" link2="z"/></robot>"#;
+    assert_eq!(select(&description, Some(unknown), &mut scene, &[0]), simdop_error::DescriptionNoSuchName);
 }
 
 #[test]

@@ -6,6 +6,8 @@ use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{FormatError, VerifyError};
 use simdop::motion::MotionError;
 use simdop::packing::PackError;
+#[cfg(feature = "planning")]
+use simdop::planning::PlanningError;
 use simdop::pose::PoseError;
 use simdop::primitive::shape::ShapeError;
 use simdop::query::ToleranceError;
@@ -176,12 +178,32 @@ impl Coded for RobotError {
         match self {
             Self::Format { .. } => simdop_error::DescriptionFormat,
             Self::NoSuchLink { .. } => simdop_error::DescriptionNoSuchLink,
+            Self::UnknownLink { .. } | Self::UnknownMember { .. } => simdop_error::DescriptionNoSuchName,
             Self::NoTree { .. } => simdop_error::DescriptionNoTree,
             Self::Kind { .. } => simdop_error::DescriptionKind,
             Self::Mimic { .. } => simdop_error::DescriptionMimic,
             Self::Joint { error, .. } => error.code(),
             Self::Pose { error, .. } => error.code(),
             Self::Shape { error, .. } => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+#[cfg(feature = "planning")]
+impl Coded for PlanningError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Io { .. } => simdop_error::PlannerFile,
+            Self::Robot { error, .. } => error.code(),
+            Self::Mesh { .. } => simdop_error::PlannerMesh,
+            Self::Build { error, .. } => error.code(),
+            Self::Link { error, .. } => error.code(),
+            Self::NoLink { .. } => simdop_error::PlannerNoLink,
+            Self::NoGroup { .. } => simdop_error::PlannerNoGroup,
+            Self::IsRobot { .. } => simdop_error::PlannerIsRobot,
+            Self::Values { .. } => simdop_error::MotionLength,
+            Self::Scene(error) => error.code(),
             _ => simdop_error::Other,
         }
     }

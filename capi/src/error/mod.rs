@@ -187,9 +187,22 @@ pub enum simdop_error {
     DescriptionIndex = 135,
     /// A body of a description is a mesh file, which the caller reads.
     DescriptionMesh = 136,
+    /// An SRDF file names a link, joint or group that the robot does not have.
+    DescriptionNoSuchName = 137,
+
+    /// A file cannot be read.
+    PlannerFile = 140,
+    /// A mesh file is invalid.
+    PlannerMesh = 141,
+    /// The robot has no link of this name with a body.
+    PlannerNoLink = 142,
+    /// The robot has no group of joints of this name.
+    PlannerNoGroup = 143,
+    /// A body of the robot was given where only an object can be.
+    PlannerIsRobot = 144,
 }
 
-const TEXTS: [(simdop_error, &CStr); 82] = [
+const TEXTS: [(simdop_error, &CStr); 88] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -281,6 +294,15 @@ const TEXTS: [(simdop_error, &CStr); 82] = [
     (simdop_error::DescriptionMimic, c"a joint of a description mimics one that does not move by itself"),
     (simdop_error::DescriptionIndex, c"a description has no variable or body of this index"),
     (simdop_error::DescriptionMesh, c"a body of a description is a mesh file"),
+    (
+        simdop_error::DescriptionNoSuchName,
+        c"an SRDF file names a link, joint or group that the robot does not have",
+    ),
+    (simdop_error::PlannerFile, c"a file cannot be read"),
+    (simdop_error::PlannerMesh, c"a mesh file is invalid"),
+    (simdop_error::PlannerNoLink, c"the robot has no link of this name with a body"),
+    (simdop_error::PlannerNoGroup, c"the robot has no group of joints of this name"),
+    (simdop_error::PlannerIsRobot, c"a body of the robot was given where only an object can be"),
 ];
 
 /// A short description of an error code, valid forever. If `code` is not an error code, the text says so.

@@ -112,7 +112,10 @@ pub extern "C" fn simdop_role_default() -> simdop_role {
 }
 
 impl simdop_role {
-    fn body<S: Storage>(&self, tree: impl Into<BodyTree<'static, Node<S>>>) -> Body<'static, Node<S>> {
+    pub(crate) fn body<S: Storage>(
+        &self,
+        tree: impl Into<BodyTree<'static, Node<S>>>,
+    ) -> Body<'static, Node<S>> {
         let groups = Groups { of: self.groups, against: self.against };
         let body = Body::new(tree).with_radius(self.radius).with_groups(groups);
         if self.is_fixed == 0 { body } else { body.fixed() }

@@ -338,9 +338,51 @@ void descriptions() {
 }
 #endif
 
+#ifdef SIMDOP_PLANNING
+/* The arm of the examples passes a post; the file is given by its path. */
+void planners(const char *urdf) {
+    simdop::planner planner = must(simdop::planner::load(urdf));
+    EXPECT(planner.variables() == 4 && must(planner.limits()).size() == 4);
+    const simdop::body_id post =
+        must(planner.insert(must(simdop::body::shape(simdop::cylinder(0.05, 2))), simdop::translation(0.45, 0, 1),
+                            simdop::fixed()));
+    const simdop::planner copy = must(planner.copy());
+    DO(planner.remove(post));
+    const std::array<double, 4> before = {-1, 1.2, 0.3, 0}, after = {1, 1.2, 0.3, 0}, amid = {0, 1.2, 0.3, 0};
+    const std::array<double, 8> both = {before[0], 1.2, 0.3, 0, amid[0], 1.2, 0.3, 0};
+    std::vector<std::thread> threads;
+    std::array<int, 8> wrong{};
+    for (std::size_t thread = 0; thread < 8; thread++) {
+        threads.emplace_back([&, thread] {
+            auto workspace = must(copy.make_workspace());
+            std::array<std::uint8_t, 2> free{};
+            wrong[thread] += must(copy.check_states(workspace, both, free)) != 1 || free[0] != 1;
+            wrong[thread] += must(copy.check_motion(workspace, before, after)).verdict != SIMDOP_MOTION_VERDICT_HIT;
+            wrong[thread] += must(copy.within(workspace, amid)).hit.b != post &&
+                             must(copy.within(workspace, amid)).hit.a != post;
+            wrong[thread] += !(must(copy.clearance(workspace, before)).lower > 0);
+            /* Without the post. */
+            wrong[thread] += must(planner.check_motion(workspace, before, after)).verdict !=
+                             SIMDOP_MOTION_VERDICT_FREE;
+        });
+    }
+    for (std::size_t thread = 0; thread < 8; thread++) {
+        threads[thread].join();
+        EXPECT(wrong[thread] == 0);
+    }
+    EXPECT(code_of([] { return simdop::planner::load("/nonexistent.urdf"); }) == SIMDOP_ERROR_PLANNER_FILE);
+}
+#endif
+
 } // namespace
 
-int main() {
+int main(int count, char **arguments) {
+#ifdef SIMDOP_PLANNING
+    EXPECT(count == 2);
+    planners(arguments[1]);
+#else
+    (void)count, (void)arguments;
+#endif
     two_bodies();
     errors();
     scenes();
