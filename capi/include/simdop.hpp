@@ -999,20 +999,29 @@ class description : public detail::shared<simdop_description, simdop_description
 /* ---- Planners ---- */
 
 #ifdef SIMDOP_PLANNING
-/* A robot among objects, asked by the values of its joints. Copies share all trees, and what they keep. */
+/* A robot among objects, asked by the values of its joints. Copies share all trees. */
 class planner {
   public:
     /* Memory for the queries of one thread. */
-    class workspace : public detail::shared<simdop_workspace, simdop_workspace_destroy> {
+    class workspace {
       public:
-        explicit workspace(simdop_workspace *raw) {
-            own(raw);
+        simdop_workspace *get() const noexcept {
+            return raw_.get();
         }
 
       private:
         friend class planner;
-        /* The bodies that its copy of the scene may refer to. */
+        workspace(simdop_workspace *raw, std::shared_ptr<std::vector<body>> kept)
+            : kept_(std::move(kept)), raw_(raw) {}
+
+        struct destroy {
+            void operator()(simdop_workspace *workspace) const noexcept {
+                simdop_workspace_destroy(workspace);
+            }
+        };
+        /* Destroyed after the workspace, whose copy of the scene may refer to them. */
         std::shared_ptr<std::vector<body>> kept_;
+        std::unique_ptr<simdop_workspace, destroy> raw_;
     };
 
     /* From the paths of a URDF file, an SRDF file, which may be empty, and the meshes that they name. */
@@ -1026,14 +1035,13 @@ class planner {
     explicit planner(simdop_planner *raw) : raw_(raw) {}
 
     result<planner> copy() const {
-        const auto kept = kept_;
         simdop_planner *raw = nullptr;
         const simdop_error code = simdop_planner_copy(get(), &raw);
         if (code != SIMDOP_ERROR_NONE) {
             return detail::failure(code);
         }
         planner made(raw);
-        made.kept_ = kept;
+        *made.kept_ = *kept_;
         return result<planner>(std::move(made));
     }
 
@@ -1047,9 +1055,7 @@ class planner {
         if (code != SIMDOP_ERROR_NONE) {
             return detail::failure(code);
         }
-        workspace made(raw);
-        made.kept_ = kept_;
-        return made;
+        return workspace(raw, kept_);
     }
 
     std::size_t variables() const {
