@@ -320,11 +320,11 @@ fn of_clouds() -> Vec<simdop_error> {
             Some(simdop_error::TooLarge)
         );
         let cloud = Box::leak(handle(|cloud| build(first, 16, 16, 20, cloud)).unwrap());
-        errors.push(answer(|ratio| simdop_cloud_refit(Some(cloud), first, 16, ratio)).unwrap_err());
-        errors.push(simdop_cloud_insert(Some(cloud), 0, first));
-        errors.push(simdop_cloud_insert(Some(cloud), 20, first));
-        errors.push(simdop_cloud_remove(Some(cloud), 17));
-        errors.push(simdop_cloud_insert(Some(cloud), 17, first));
+        errors.push(answer(|ratio| simdop_cloud_refit(Some(&mut *cloud), first, 16, ratio)).unwrap_err());
+        errors.push(simdop_cloud_insert(Some(&mut *cloud), 0, first));
+        errors.push(simdop_cloud_insert(Some(&mut *cloud), 20, first));
+        errors.push(simdop_cloud_remove(Some(&mut *cloud), 17));
+        errors.push(simdop_cloud_insert(Some(&mut *cloud), 17, first));
         let some = Some(&*cloud);
         for radius in [-1.0, f32::NAN, f32::INFINITY] {
             errors.push(answer(|any| simdop_cloud_any_within(some, first, radius, any)).unwrap_err());
@@ -460,7 +460,7 @@ fn of_null_buffers() -> Vec<simdop_error> {
             errors.push(answer(|to| simdop_each_pair(a, body, pose, budget, on_pair, user, to)).unwrap_err());
         }
         errors.push(simdop_each_pair(body, body, at, budget, Some(on_pair), user, None));
-        let (v, t) = (VERTICES.as_ptr().cast(), TRIANGLES.as_ptr().cast());
+        let (v, t) = (TETRAHEDRON.vertices.as_ptr().cast(), TETRAHEDRON.triangles.as_ptr().cast());
         let to = numbers.as_mut_ptr();
         for (v, t, to) in [(null(), t, to), (v, null(), to), (v, t, std::ptr::null_mut())] {
             errors.push(answer(|done| simdop_pack(v, 4, t, 4, to, 3, None, user, done)).unwrap_err());
@@ -476,7 +476,8 @@ fn of_null_buffers() -> Vec<simdop_error> {
 #[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
 fn of_null_states() -> Vec<simdop_error> {
     let (id, budget, at, mut errors) = (0, SIMDOP_NO_BUDGET, Some(&IDENTITY), Vec::new());
-    let (ids, pose, mut byte, value, mut room) = (&raw const id, &raw const IDENTITY, 0, 0.5, 0.5);
+    let (here, plain, mut byte, value, mut room) = (IDENTITY, simdop_role_default(), 0, 0.5, 0.5);
+    let (ids, pose) = (&raw const id, &raw const here);
     let (free, values, to) = (&raw mut byte, &raw const value, &raw mut room);
     let robot = hinge().robot().unwrap();
     let robot = Some(&*robot);
@@ -485,40 +486,58 @@ fn of_null_states() -> Vec<simdop_error> {
     unsafe {
         let check = simdop_scene_check_states;
         errors.push(answer(|done| check(None, ids, 1, pose, 1, budget, free, done)).unwrap_err());
-        let mut some = || Some(&mut *scene);
-        errors.push(answer(|done| check(some(), null(), 1, pose, 1, budget, free, done)).unwrap_err());
-        errors.push(answer(|done| check(some(), ids, 1, null(), 1, budget, free, done)).unwrap_err());
+        errors.push(
+            answer(|done| check(Some(&mut scene), null(), 1, pose, 1, budget, free, done)).unwrap_err(),
+        );
+        errors
+            .push(answer(|done| check(Some(&mut scene), ids, 1, null(), 1, budget, free, done)).unwrap_err());
         let none = std::ptr::null_mut();
-        errors.push(answer(|done| check(some(), ids, 1, pose, 1, budget, none, done)).unwrap_err());
-        errors.push(check(some(), ids, 1, pose, 1, budget, free, None));
+        errors.push(answer(|done| check(Some(&mut scene), ids, 1, pose, 1, budget, none, done)).unwrap_err());
+        errors.push(check(Some(&mut scene), ids, 1, pose, 1, budget, free, None));
         let check = simdop_scene_check_joint_states;
         errors.push(answer(|done| check(None, ids, 1, robot, values, 1, budget, free, done)).unwrap_err());
-        errors
-            .push(answer(|done| check(some(), null(), 1, robot, values, 1, budget, free, done)).unwrap_err());
-        errors.push(answer(|done| check(some(), ids, 1, None, values, 1, budget, free, done)).unwrap_err());
-        errors.push(answer(|done| check(some(), ids, 1, robot, null(), 1, budget, free, done)).unwrap_err());
-        errors.push(answer(|done| check(some(), ids, 1, robot, values, 1, budget, none, done)).unwrap_err());
-        errors.push(check(some(), ids, 1, robot, values, 1, budget, free, None));
+        errors.push(
+            answer(|done| check(Some(&mut scene), null(), 1, robot, values, 1, budget, free, done))
+                .unwrap_err(),
+        );
+        errors.push(
+            answer(|done| check(Some(&mut scene), ids, 1, None, values, 1, budget, free, done)).unwrap_err(),
+        );
+        errors.push(
+            answer(|done| check(Some(&mut scene), ids, 1, robot, null(), 1, budget, free, done)).unwrap_err(),
+        );
+        errors.push(
+            answer(|done| check(Some(&mut scene), ids, 1, robot, values, 1, budget, none, done)).unwrap_err(),
+        );
+        errors.push(check(Some(&mut scene), ids, 1, robot, values, 1, budget, free, None));
         let classify = simdop_scene_classify_pair;
         errors.push(answer(|done| classify(None, ids, 1, robot, 0, 1, 9, to, to, done)).unwrap_err());
-        errors.push(answer(|done| classify(some(), null(), 1, robot, 0, 1, 9, to, to, done)).unwrap_err());
-        errors.push(answer(|done| classify(some(), ids, 1, None, 0, 1, 9, to, to, done)).unwrap_err());
+        errors.push(
+            answer(|done| classify(Some(&mut scene), null(), 1, robot, 0, 1, 9, to, to, done)).unwrap_err(),
+        );
+        errors.push(
+            answer(|done| classify(Some(&mut scene), ids, 1, None, 0, 1, 9, to, to, done)).unwrap_err(),
+        );
         let none = std::ptr::null_mut();
-        errors.push(answer(|done| classify(some(), ids, 1, robot, 0, 1, 9, none, to, done)).unwrap_err());
-        errors.push(answer(|done| classify(some(), ids, 1, robot, 0, 1, 9, to, none, done)).unwrap_err());
-        errors.push(classify(some(), ids, 1, robot, 0, 1, 9, to, to, None));
+        errors.push(
+            answer(|done| classify(Some(&mut scene), ids, 1, robot, 0, 1, 9, none, to, done)).unwrap_err(),
+        );
+        errors.push(
+            answer(|done| classify(Some(&mut scene), ids, 1, robot, 0, 1, 9, to, none, done)).unwrap_err(),
+        );
+        errors.push(classify(Some(&mut scene), ids, 1, robot, 0, 1, 9, to, to, None));
         errors.push(simdop_scene_place_all(None, ids, pose, 1));
-        errors.push(simdop_scene_place_all(some(), null(), pose, 1));
-        errors.push(simdop_scene_place_all(some(), ids, null(), 1));
+        errors.push(simdop_scene_place_all(Some(&mut scene), null(), pose, 1));
+        errors.push(simdop_scene_place_all(Some(&mut scene), ids, null(), 1));
         let cloud = handle(|cloud| simdop_cloud_build([0.0; 3].as_ptr(), 1, cloud)).unwrap();
         let cloud: &'static simdop_cloud = Box::leak(cloud);
-        let (cloud, role) = (Some(cloud), Some(&simdop_role_default()));
+        let (cloud, role) = (Some(cloud), Some(&plain));
         let insert = simdop_scene_insert_cloud;
         errors.push(answer(|id| insert(None, cloud, role, at, id)).unwrap_err());
-        errors.push(answer(|id| insert(some(), None, role, at, id)).unwrap_err());
-        errors.push(answer(|id| insert(some(), cloud, None, at, id)).unwrap_err());
-        errors.push(answer(|id| insert(some(), cloud, role, None, id)).unwrap_err());
-        errors.push(insert(some(), cloud, role, at, None));
+        errors.push(answer(|id| insert(Some(&mut scene), None, role, at, id)).unwrap_err());
+        errors.push(answer(|id| insert(Some(&mut scene), cloud, None, at, id)).unwrap_err());
+        errors.push(answer(|id| insert(Some(&mut scene), cloud, role, None, id)).unwrap_err());
+        errors.push(insert(Some(&mut scene), cloud, role, at, None));
     }
     let body = surface(&TETRAHEDRON).unwrap();
     let (body, mut hint) = (Some(&*body), SIMDOP_NO_HINT);
@@ -547,11 +566,11 @@ fn of_null_states() -> Vec<simdop_error> {
 
 #[test]
 fn configurations_of_no_body_have_a_code() {
-    let (mut scene, none) = (handle(|scene| simdop_scene_create(scene)).unwrap(), 0_u64);
+    let (mut scene, none, here) = (handle(|scene| simdop_scene_create(scene)).unwrap(), 0_u64, IDENTITY);
     let mut free = [7_u8; 2];
     // SAFETY: there is room for two configurations of no body.
     let found = answer(|done| unsafe {
-        let (ids, poses, free) = (&raw const none, &raw const IDENTITY, free.as_mut_ptr());
+        let (ids, poses, free) = (&raw const none, &raw const here, free.as_mut_ptr());
         simdop_scene_check_states(Some(&mut scene), ids, 0, poses, 2, SIMDOP_NO_BUDGET, free, done)
     });
     assert_eq!(found, Err(simdop_error::MotionBodies));

@@ -209,14 +209,15 @@ fn null_is_an_error() {
     errors.push(simdop_planner_detach(Some(&mut c), id, None));
     errors.push(simdop_planner_allow_collision(None, id, id));
     errors.push(simdop_planner_forbid_collision(None, id, id));
-    let role = Some(&simdop_role_default());
+    let plain = simdop_role_default();
+    let role = Some(&plain);
     errors.push(answer(|to| simdop_planner_insert(Some(&mut c), None, role, at, to)).unwrap_err());
-    for (planner, workspace, values) in
-        [(None, Some(&mut *workspace), v), (Some(&*c), None, v), (Some(&*c), Some(&mut *workspace), null())]
+    let memory: *mut simdop_workspace = &mut *workspace;
+    for (planner, memory, values) in
+        [(None, Some(memory), v), (Some(&*c), None, v), (Some(&*c), Some(memory), null())]
     {
-        let workspace = workspace.map(std::ptr::from_mut::<simdop_workspace>);
-        // SAFETY: what is not NULL has enough items; no two of these live at once.
-        let workspace = || workspace.map(|workspace| unsafe { &mut *workspace });
+        // SAFETY: it exists until the end of the test, and each reference ends with its call.
+        let workspace = || memory.map(|memory| unsafe { &mut *memory });
         let to = free.as_mut_ptr();
         // SAFETY: what is not NULL has enough items, here and below.
         errors.push(

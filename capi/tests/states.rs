@@ -3,6 +3,7 @@
 mod support;
 
 use simdop::isa::Isa;
+use simdop::low_level::key::Fixed;
 use simdop::node::Aabb16;
 use simdop::pose::Pose;
 use simdop::query::Query;
@@ -21,16 +22,16 @@ struct Twins {
 
 impl Twins {
     fn new(rng: &mut Rng) -> Self {
-        let meshes = Box::leak(Box::new(meshes_of(rng)));
+        let meshes: &'static [_] = Vec::leak(meshes_of::<Fixed>(rng));
         let mut c = handle(|scene| simdop_scene_create(scene)).unwrap();
         let (mut rust, mut moving) = (Scene::new(), Vec::new());
-        for i in 0..5 {
+        for (i, mesh) in meshes.iter().take(5).enumerate() {
             let (c_world, world) = pose(rng);
             let role = simdop_role { is_fixed: i32::from(i > 2), ..simdop_role_default() };
-            let c_body = Some(meshes[i].c);
+            let c_body = Some(mesh.c);
             let id = answer(|id| simdop_scene_insert(Some(&mut c), c_body, Some(&role), Some(&c_world), id))
                 .unwrap();
-            let body = Body::new(meshes[i].rust.view());
+            let body = Body::new(mesh.rust.view());
             let inserted = rust.insert(if i > 2 { body.fixed() } else { body }, &world).unwrap();
             assert_eq!(id, inserted.to_bits());
             if i < 3 {
