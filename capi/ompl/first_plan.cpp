@@ -1,4 +1,4 @@
-/* From a URDF file to a plan: first_plan examples/arm/arm.urdf. The arm passes a post. */
+/* From a URDF and an SRDF file to a plan: first_plan arm.urdf arm.srdf. The arm passes a post. */
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <simdop_ompl.hpp>
@@ -8,15 +8,14 @@
 
 int main(int, char **arguments) {
     namespace planning = simdop::planning_with_ompl;
-    std::ifstream file(arguments[1]);
-    const std::string urdf(std::istreambuf_iterator<char>(file), {});
-    const auto description = simdop::description::read(urdf);
+    std::ifstream urdf(arguments[1]), srdf(arguments[2]);
+    const auto description = simdop::description::read(std::string(std::istreambuf_iterator<char>(urdf), {}));
     const simdop::body post = simdop::body::shape(simdop::cylinder(0.05, 2));
     const auto add_post = [&](simdop::scene &scene) {
         scene.insert(post, simdop::translation(0.45, 0, 1), simdop::fixed());
     };
-    const auto arm =
-        std::make_shared<planning::arm>(description, planning::arm::shapes_of(description), add_post);
+    const auto arm = std::make_shared<planning::arm>(description, planning::arm::shapes_of(description), add_post,
+                                                     std::string(std::istreambuf_iterator<char>(srdf), {}));
 
     ompl::geometric::SimpleSetup setup(planning::information_of(arm));
     ompl::base::ScopedState<> start(setup.getStateSpace()), goal(setup.getStateSpace());

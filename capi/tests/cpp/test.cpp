@@ -339,9 +339,9 @@ void descriptions() {
 #endif
 
 #ifdef SIMDOP_PLANNING
-/* The arm of the examples passes a post; the file is given by its path. */
-void planners(const char *urdf) {
-    simdop::planner planner = must(simdop::planner::load(urdf));
+/* The arm of the examples passes a post. */
+void planners(const char *urdf, const char *srdf) {
+    simdop::planner planner = must(simdop::planner::load(urdf, srdf));
     EXPECT(planner.variables() == 4 && must(planner.limits()).size() == 4);
     const simdop::body_id post =
         must(planner.insert(must(simdop::body::shape(simdop::cylinder(0.05, 2))), simdop::translation(0.45, 0, 1),
@@ -378,8 +378,8 @@ void planners(const char *urdf) {
 
 int main(int count, char **arguments) {
 #ifdef SIMDOP_PLANNING
-    EXPECT(count == 2);
-    planners(arguments[1]);
+    EXPECT(count == 3);
+    planners(arguments[1], arguments[2]);
 #else
     (void)count, (void)arguments;
 #endif
