@@ -580,8 +580,8 @@ typedef enum {
 typedef struct simdop_body simdop_body;
 
 /**
- * Points with a tree over them, such as a scan of a robot's surroundings. A point keeps its index while it moves. While
- * a cloud is in a scene, it must not be changed: remove it, and insert it again.
+ * Points with a tree over them, such as a scan of a robot's surroundings. A point keeps its index while it moves.
+ * While a cloud is in a scene, it must not be changed: remove it, and insert it again.
  */
 typedef struct simdop_cloud simdop_cloud;
 
@@ -762,8 +762,8 @@ typedef struct {
 typedef uint64_t simdop_body_id;
 
 /**
- * Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything else
- * ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
+ * Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything
+ * else ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
  */
 typedef int (*simdop_on_filling)(void *user, size_t placed, size_t asked, double share);
 
@@ -1507,8 +1507,8 @@ void simdop_body_destroy(simdop_body *body);
 simdop_error simdop_cloud_build(const float *points, size_t count, simdop_cloud **cloud);
 
 /**
- * Builds a cloud like simdop_cloud_build(), with room for points that are inserted later: at most `bucket_size`, from 1
- * to 16, points in each bucket of the tree, and indices below `capacity`.
+ * Builds a cloud like simdop_cloud_build(), with room for points that are inserted later: at most `bucket_size`, from
+ * 1 to 16, points in each bucket of the tree, and indices below `capacity`.
  *
  * # Safety
  * The array has the stated length.
@@ -1565,8 +1565,8 @@ void simdop_cloud_destroy(simdop_cloud *cloud);
 
 #if defined(SIMDOP_URDF)
 /**
- * Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes if
- * `is_visual` is not zero. Mesh files are named, but not read.
+ * Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes
+ * if `is_visual` is not zero. Mesh files are named, but not read.
  *
  * # Safety
  * The text has the stated length.
@@ -1625,8 +1625,8 @@ simdop_error simdop_description_build_robot(const simdop_description *descriptio
 #if defined(SIMDOP_URDF)
 /**
  * Decides which pairs of a robot's bodies the queries of a scene test: those that joints move relative to each other,
- * and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order. `srdf`,
- * of `srdf_count` bytes, may be NULL: then nothing is disabled.
+ * and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order.
+ * `srdf`, of `srdf_count` bytes, may be NULL: then nothing is disabled.
  *
  * # Safety
  * The array and the text have the stated lengths.
@@ -1678,8 +1678,8 @@ simdop_error simdop_pack(const double *vertices,
 
 /**
  * Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If
- * `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free of
- * others, so is the mesh. The mesh is given as in simdop_body_build_surface().
+ * `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free
+ * of others, so is the mesh. The mesh is given as in simdop_body_build_surface().
  *
  * Writes to `count` how many spheres there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER:
  * `spheres` has room for x, y, z and the radius of each. The call allocates.
@@ -1726,9 +1726,9 @@ simdop_error simdop_penetration(const simdop_body *a,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Reads a robot from the files at these paths: a URDF file, an SRDF file, which may be NULL, and the mesh files that the
- * URDF file names. Holes of at most `cap` are capped: see simdop_body_build_solid_with_caps(). Meshes with wider holes
- * become surfaces. All variables are planned for.
+ * Reads a robot from the files at these paths: a URDF file, an SRDF file, which may be NULL, and the mesh files that
+ * the URDF file names. Holes of at most `cap` are capped: see simdop_body_build_solid_with_caps(). Meshes with wider
+ * holes become surfaces. All variables are planned for.
  *
  * # Safety
  * The paths end with a NUL.
@@ -1787,8 +1787,8 @@ simdop_error simdop_planner_limits(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has `count`
- * numbers: one for each variable of the robot.
+ * Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
+ * `count` numbers: one for each variable of the robot.
  *
  * # Safety
  * The name ends with a NUL, and the array has the stated length.
@@ -2102,8 +2102,8 @@ simdop_error simdop_cloud_count(const simdop_cloud *cloud,
                                 simdop_range_stats *stats);
 
 /**
- * Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has a
- * radius for each index, or one for all. The lists of indices without a point are empty.
+ * Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has
+ * a radius for each index, or one for all. The lists of indices without a point are empty.
  *
  * # Safety
  * The arrays have these lengths, and those of `into` the stated ones.
@@ -2115,8 +2115,8 @@ simdop_error simdop_cloud_neighbours(const simdop_cloud *cloud,
                                      simdop_range_stats *stats);
 
 /**
- * Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a radius
- * for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
+ * Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a
+ * radius for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
  *
  * # Safety
  * The arrays have these lengths, and those of `into` the stated ones.
@@ -2217,8 +2217,8 @@ simdop_error simdop_scene_place(simdop_scene *scene,
                                 const simdop_pose *world);
 
 /**
- * Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault are
- * placed.
+ * Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault
+ * are placed.
  *
  * # Safety
  * The arrays have this length.
@@ -2399,8 +2399,8 @@ simdop_error simdop_scene_check_joint_motion(simdop_scene *scene,
  * tests sixteen configurations together.
  *
  * Attached bodies move along; all others stand still. The current poses of the moving bodies do not matter, and do not
- * change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates memory
- * for sixteen configurations at its first such call, and keeps it.
+ * change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates
+ * memory for sixteen configurations at its first such call, and keeps it.
  *
  * # Safety
  * The arrays have these lengths.

@@ -537,7 +537,7 @@ inline result<packing> pack(const mesh &mesh, std::size_t count) {
     return made;
 }
 
-/* Spheres that contain a mesh, and nothing farther than `most` from it. Computed twice if there are more than `room`. */
+/* Spheres that contain a mesh, and nothing farther than `most` from it. Computed twice if `room` is too little. */
 inline result<std::vector<sphere>> cover(const mesh &mesh, double most, bool is_solid, std::size_t room = 1024) {
     std::vector<sphere> spheres;
     for (;;) {
@@ -621,7 +621,8 @@ class cloud : public detail::shared<simdop_cloud, simdop_cloud_destroy> {
     }
 
     /* Calls `visit(std::uint32_t)` with each point. It returns nothing, or whether to go on. */
-    template <class Visit> result<simdop_range_stats> each_within(const point &centre, float radius, Visit visit) const {
+    template <class Visit>
+    result<simdop_range_stats> each_within(const point &centre, float radius, Visit visit) const {
         detail::callback<Visit> callback(visit);
         const auto on_point = [](void *user, std::uint32_t index) -> int {
             return (*static_cast<detail::callback<Visit> *>(user))(index);

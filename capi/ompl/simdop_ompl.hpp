@@ -1,6 +1,6 @@
 /*
- * simdop for OMPL: a validity checker with clearance, and a motion validator that proves edges free at all times instead
- * of sampling them. Needs simdop.hpp with exceptions and SIMDOP_URDF, which CMake's targets define.
+ * simdop for OMPL: a validity checker with clearance, and a motion validator that proves edges free at all times
+ * instead of sampling them. Needs simdop.hpp with exceptions and SIMDOP_URDF, which CMake's targets define.
  *
  * Threads. Both may be used by several threads at once: each thread gets a scene of its own, of shared bodies, at its
  * first query.

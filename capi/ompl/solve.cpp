@@ -3,8 +3,9 @@
  *
  *     solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY]]
  *
- * EVERY: only each so many lines. With FCL, states are checked by OMPL's motion validator at samples, at its default resolution, 1 % of the space. The
- * edges of its paths are then checked by simdop at all times. Prints one line for each set of problems and library.
+ * EVERY: only each so many lines. With FCL, states are checked by OMPL's motion validator at samples, at its default
+ * resolution, 1 % of the space. The edges of its paths are then checked by simdop at all times. Prints one line for
+ * each set of problems and library.
  */
 #include <boost/property_tree/json_parser.hpp>
 #include <boost/property_tree/ptree.hpp>

@@ -5,8 +5,8 @@ use crate::error::simdop_error;
 use simdop::cloud::{BUCKET_SIZE, CloudRef, PointCloud};
 use std::mem::MaybeUninit;
 
-/// Points with a tree over them, such as a scan of a robot's surroundings. A point keeps its index while it moves. While
-/// a cloud is in a scene, it must not be changed: remove it, and insert it again.
+/// Points with a tree over them, such as a scan of a robot's surroundings. A point keeps its index while it moves.
+/// While a cloud is in a scene, it must not be changed: remove it, and insert it again.
 #[derive(Debug)]
 pub struct simdop_cloud(PointCloud);
 
@@ -40,8 +40,8 @@ pub unsafe extern "C" fn simdop_cloud_build(
     unsafe { simdop_cloud_build_with_room(points, count, BUCKET_SIZE, count, cloud) }
 }
 
-/// Builds a cloud like simdop_cloud_build(), with room for points that are inserted later: at most `bucket_size`, from 1
-/// to 16, points in each bucket of the tree, and indices below `capacity`.
+/// Builds a cloud like simdop_cloud_build(), with room for points that are inserted later: at most `bucket_size`, from
+/// 1 to 16, points in each bucket of the tree, and indices below `capacity`.
 ///
 /// # Safety
 /// The array has the stated length.

@@ -84,8 +84,8 @@ fn at<T>(items: &[T], index: usize) -> Result<&T, Failure> {
     })
 }
 
-/// Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes if
-/// `is_visual` is not zero. Mesh files are named, but not read.
+/// Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes
+/// if `is_visual` is not zero. Mesh files are named, but not read.
 ///
 /// # Safety
 /// The text has the stated length.
@@ -198,8 +198,8 @@ pub extern "C" fn simdop_description_build_robot(
 }
 
 /// Decides which pairs of a robot's bodies the queries of a scene test: those that joints move relative to each other,
-/// and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order. `srdf`,
-/// of `srdf_count` bytes, may be NULL: then nothing is disabled.
+/// and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order.
+/// `srdf`, of `srdf_count` bytes, may be NULL: then nothing is disabled.
 ///
 /// # Safety
 /// The array and the text have the stated lengths.

@@ -9,8 +9,8 @@ use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything else
-/// ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
+/// Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything
+/// else ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
 pub type simdop_on_filling =
     Option<unsafe extern "C" fn(user: *mut c_void, placed: usize, asked: usize, share: f64) -> c_int>;
 
@@ -72,8 +72,8 @@ pub unsafe extern "C" fn simdop_pack(
 }
 
 /// Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If
-/// `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free of
-/// others, so is the mesh. The mesh is given as in simdop_body_build_surface().
+/// `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free
+/// of others, so is the mesh. The mesh is given as in simdop_body_build_surface().
 ///
 /// Writes to `count` how many spheres there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER:
 /// `spheres` has room for x, y, z and the radius of each. The call allocates.

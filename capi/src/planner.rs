@@ -36,9 +36,9 @@ unsafe fn text<'t>(first: *const c_char, name: &str) -> Result<&'t str, Failure>
         .map_err(|error| Failure::new(simdop_error::DescriptionFormat, format!("{name}: {error}")))
 }
 
-/// Reads a robot from the files at these paths: a URDF file, an SRDF file, which may be NULL, and the mesh files that the
-/// URDF file names. Holes of at most `cap` are capped: see simdop_body_build_solid_with_caps(). Meshes with wider holes
-/// become surfaces. All variables are planned for.
+/// Reads a robot from the files at these paths: a URDF file, an SRDF file, which may be NULL, and the mesh files that
+/// the URDF file names. Holes of at most `cap` are capped: see simdop_body_build_solid_with_caps(). Meshes with wider
+/// holes become surfaces. All variables are planned for.
 ///
 /// # Safety
 /// The paths end with a NUL.
@@ -119,8 +119,8 @@ pub unsafe extern "C" fn simdop_planner_limits(
     })
 }
 
-/// Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has `count`
-/// numbers: one for each variable of the robot.
+/// Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
+/// `count` numbers: one for each variable of the robot.
 ///
 /// # Safety
 /// The name ends with a NUL, and the array has the stated length.

@@ -229,8 +229,8 @@ unsafe fn fill(
     Ok(found?.into())
 }
 
-/// Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has a
-/// radius for each index, or one for all. The lists of indices without a point are empty.
+/// Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has
+/// a radius for each index, or one for all. The lists of indices without a point are empty.
 ///
 /// # Safety
 /// The arrays have these lengths, and those of `into` the stated ones.
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn simdop_cloud_neighbours(
     })
 }
 
-/// Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a radius
-/// for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
+/// Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a
+/// radius for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
 ///
 /// # Safety
 /// The arrays have these lengths, and those of `into` the stated ones.

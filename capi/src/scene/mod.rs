@@ -233,8 +233,8 @@ pub extern "C" fn simdop_scene_place(
     })
 }
 
-/// Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault are
-/// placed.
+/// Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault
+/// are placed.
 ///
 /// # Safety
 /// The arrays have this length.

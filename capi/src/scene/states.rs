@@ -83,8 +83,8 @@ fn check(
 /// tests sixteen configurations together.
 ///
 /// Attached bodies move along; all others stand still. The current poses of the moving bodies do not matter, and do not
-/// change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates memory
-/// for sixteen configurations at its first such call, and keeps it.
+/// change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates
+/// memory for sixteen configurations at its first such call, and keeps it.
 ///
 /// # Safety
 /// The arrays have these lengths.

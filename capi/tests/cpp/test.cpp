@@ -1,7 +1,7 @@
 /*
- * Tests simdop.hpp: its answers are those known beforehand or of a loop, and those of eight threads on shared bodies are
- * those of one. Compiles with and without SIMDOP_EXPECTED. Exits with 0 only if all hold; `capi/check` builds and runs
- * it under the sanitizers.
+ * Tests simdop.hpp: its answers are those known beforehand or of a loop, and those of eight threads on shared bodies
+ * are those of one. Compiles with and without SIMDOP_EXPECTED. Exits with 0 only if all hold; `capi/check` builds and
+ * runs it under the sanitizers.
  */
 #include "simdop.hpp"
 
