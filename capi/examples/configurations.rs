@@ -89,20 +89,19 @@ fn main() {
     let mut rust = Scene::new();
     let mut c: Box<simdop_scene> = written(|scene| simdop_scene_create(scene)).unwrap();
     let (role, mut ids, mut c_ids) = (simdop_role_default(), Vec::new(), Vec::new());
-    let mut insert =
-        |c: &mut simdop_scene, bytes: Option<&'static [u8]>, shape: Option<simdop_shape>, fixed| {
-            let role = simdop_role { is_fixed: fixed, ..role };
-            let body = match (bytes, &shape) {
-                // SAFETY: the bytes are never freed.
-                (Some(bytes), _) => {
-                    written(|body| unsafe { simdop_body_open(bytes.as_ptr(), bytes.len(), body) })
-                }
-                (None, shape) => written(|body| simdop_body_build_shape(shape.as_ref(), body)),
-            };
-            let body: &'static simdop_body = Box::leak(body.unwrap());
-            let world = Some(&at([0.0; 3]));
-            written(|id| simdop_scene_insert(Some(c), Some(body), Some(&role), world, id))
+    let insert = |c: &mut simdop_scene, bytes: Option<&'static [u8]>, shape: Option<simdop_shape>, fixed| {
+        let role = simdop_role { is_fixed: fixed, ..role };
+        let body = match (bytes, &shape) {
+            // SAFETY: the bytes are never freed.
+            (Some(bytes), _) => {
+                written(|body| unsafe { simdop_body_open(bytes.as_ptr(), bytes.len(), body) })
+            }
+            (None, shape) => written(|body| simdop_body_build_shape(shape.as_ref(), body)),
         };
+        let body: &'static simdop_body = Box::leak(body.unwrap());
+        let world = Some(&at([0.0; 3]));
+        written(|id| simdop_scene_insert(Some(c), Some(body), Some(&role), world, id))
+    };
     let trees: &'static [_] = trees.leak();
     for tree in trees {
         ids.push(rust.insert(Body::new(tree.view()), &Pose::IDENTITY).unwrap());

@@ -106,8 +106,8 @@ fn penetrations_are_the_librarys() {
         let (c_pose, at) = pose(&mut rng);
         for budget in [SIMDOP_NO_BUDGET, 3] {
             for (a, b) in sets.iter().flat_map(|a| sets.iter().map(move |b| (a, b))) {
-                let ask = |to| simdop_penetration(Some(a.c), Some(b.c), Some(&c_pose), budget, to);
-                let found: simdop_penetration_answer = answer(ask).unwrap();
+                let (c_a, c_b, c_pose) = (Some(a.c), Some(b.c), Some(&c_pose));
+                let found = answer(|to| simdop_penetration(c_a, c_b, c_pose, budget, to)).unwrap();
                 let query = Query::new(Isa::detect()).with_budget(budget);
                 let expected = query.penetration(&a.rust, &b.rust, &at);
                 assert_eq!(

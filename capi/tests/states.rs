@@ -72,7 +72,7 @@ fn by_poses(
 fn configurations_are_free_as_in_the_library_and_one_by_one() {
     let mut rng = Rng::new(11);
     let (mut free_in_all, mut all) = (0, 0);
-    for count in [1, 15, 16, 17, 40] {
+    for count in [1_usize, 15, 16, 17, 40] {
         for budget in [SIMDOP_NO_BUDGET, 40] {
             let Twins { mut c, mut rust, moving } = Twins::new(&mut rng);
             let spread = |(c, _): (simdop_pose, Pose)| {
