@@ -4,7 +4,7 @@ use core::fmt;
 use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{FormatError, NodeType, VerifyError};
-use simdop::mesh_io::{FileError, Place};
+use simdop::mesh_io::{FileError, FilePlace};
 use simdop::packing::PackError;
 use simdop::planning::PlanningError;
 use std::path::PathBuf;
@@ -78,9 +78,9 @@ impl fmt::Display for Error {
             Self::Content { path, fault } => {
                 let (path, problem) = (path.display(), &fault.problem);
                 match fault.place {
-                    Place::Line(number) => write!(f, "{path}, line {number}: {problem}"),
-                    Place::Byte(offset) => write!(f, "{path}, byte {offset}: {problem}"),
-                    Place::Nowhere => write!(f, "{path}: {problem}"),
+                    FilePlace::Line(number) => write!(f, "{path}, line {number}: {problem}"),
+                    FilePlace::Byte(offset) => write!(f, "{path}, byte {offset}: {problem}"),
+                    FilePlace::Nowhere => write!(f, "{path}: {problem}"),
                 }
             }
             Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),

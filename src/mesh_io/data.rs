@@ -1,6 +1,6 @@
 //! The mesh that a file becomes.
 
-use super::error::{FileError, Place};
+use super::error::{FileError, FilePlace};
 use super::polygon;
 use crate::construct::Mesh;
 use alloc::format;
@@ -22,14 +22,14 @@ pub struct MeshData {
 pub(super) struct Faces {
     corners: Vec<u32>,
     /// Where each face ends in `corners`, and where it is in the file.
-    pub(super) ends: Vec<(usize, Place)>,
+    pub(super) ends: Vec<(usize, FilePlace)>,
 }
 
 impl Faces {
     pub(super) fn add(
         &mut self,
         corners: impl IntoIterator<Item = u32>,
-        place: Place,
+        place: FilePlace,
     ) -> Result<(), FileError> {
         let start = self.corners.len();
         self.corners.extend(corners);
@@ -42,7 +42,7 @@ impl Faces {
         Ok(())
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], Place)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], FilePlace)> {
         let mut start = 0;
         self.ends
             .iter()

@@ -5,7 +5,7 @@ use core::fmt;
 
 /// A place in a file.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub enum Place {
+pub enum FilePlace {
     /// A line, counted from 1.
     Line(usize),
     /// A byte, counted from 0.
@@ -18,7 +18,7 @@ pub enum Place {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FileError {
     /// The place of the problem.
-    pub place: Place,
+    pub place: FilePlace,
     /// The problem.
     pub problem: String,
 }
@@ -26,26 +26,26 @@ pub struct FileError {
 impl FileError {
     /// A problem on a line, counted from 1.
     pub fn line(number: usize, problem: impl Into<String>) -> Self {
-        Self { place: Place::Line(number), problem: problem.into() }
+        Self { place: FilePlace::Line(number), problem: problem.into() }
     }
 
     /// A problem at a byte, counted from 0.
     pub fn byte(offset: usize, problem: impl Into<String>) -> Self {
-        Self { place: Place::Byte(offset), problem: problem.into() }
+        Self { place: FilePlace::Byte(offset), problem: problem.into() }
     }
 
     /// A problem of the file as a whole.
     pub fn file(problem: impl Into<String>) -> Self {
-        Self { place: Place::Nowhere, problem: problem.into() }
+        Self { place: FilePlace::Nowhere, problem: problem.into() }
     }
 }
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
-            Place::Line(number) => write!(f, "line {number}: {}", self.problem),
-            Place::Byte(offset) => write!(f, "byte {offset}: {}", self.problem),
-            Place::Nowhere => f.write_str(&self.problem),
+            FilePlace::Line(number) => write!(f, "line {number}: {}", self.problem),
+            FilePlace::Byte(offset) => write!(f, "byte {offset}: {}", self.problem),
+            FilePlace::Nowhere => f.write_str(&self.problem),
         }
     }
 }

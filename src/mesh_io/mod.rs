@@ -29,7 +29,7 @@ mod text;
 mod xyz;
 
 pub use data::MeshData;
-pub use error::{FileError, Place};
+pub use error::{FileError, FilePlace};
 pub use text::{check_last_line, lines, quote};
 
 use alloc::string::String;
@@ -128,7 +128,7 @@ mod tests {
         for whole in ["", "a\n", "a\r", "a\r\n"] {
             assert_eq!(check_last_line(whole, 1), Ok(()));
         }
-        assert_eq!(check_last_line("a\nb", 5).unwrap_err().place, Place::Line(6));
+        assert_eq!(check_last_line("a\nb", 5).unwrap_err().place, FilePlace::Line(6));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::{Decimals, coordinate};
-use super::error::{FileError, Place};
+use super::error::{FileError, FilePlace};
 use super::text::{check_last_line, count, lines, numbers_left, quote};
 use alloc::borrow::Cow;
 use alloc::format;
@@ -59,7 +59,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, FileError> {
                 for word in words {
                     corners.push(corner(word, vertices.len(), line)?);
                 }
-                faces.add(corners.iter().copied(), Place::Line(line))?;
+                faces.add(corners.iter().copied(), FilePlace::Line(line))?;
             }
             _ if NUMBERS.contains(&word) || NAMES.contains(&word) => {}
             _ if FREE_FORM.contains(&word) => {
@@ -149,7 +149,7 @@ fn corner(word: &str, count: usize, line: usize) -> Result<u32, FileError> {
         return Err(FileError::line(line, format!("{} is not a corner of a face", quote(word))));
     }
     let zero_based = if number < 0 { count as i64 + number } else { number - 1 };
-    u32::try_from(zero_based).map_err(|_| unknown(number, count, Place::Line(line)))
+    u32::try_from(zero_based).map_err(|_| unknown(number, count, FilePlace::Line(line)))
 }
 
 fn check_indices(faces: &Faces, count: usize) -> Result<(), FileError> {
@@ -161,7 +161,7 @@ fn check_indices(faces: &Faces, count: usize) -> Result<(), FileError> {
     Ok(())
 }
 
-fn unknown(number: i64, count: usize, place: Place) -> FileError {
+fn unknown(number: i64, count: usize, place: FilePlace) -> FileError {
     FileError { place, problem: format!("vertex {number} of {count} does not exist") }
 }
 
@@ -223,7 +223,7 @@ mod tests {
             ["v 0 0 0 f 1 2 3", "v 0 0 0 1 x", "v 0 0 0 1 0 0 x", "f 1 2 3 x", "f 1 2 3/x", "f 1/1/1/1 2 3"]
         {
             let FileError { place, problem } = fault(line);
-            assert_eq!(place, Place::Line(4), "{line}");
+            assert_eq!(place, FilePlace::Line(4), "{line}");
             assert!(problem.contains(" is not "), "{line}: {problem}");
         }
         assert_eq!(fault("v 0 0 0 1 1"), FileError::line(4, "a vertex of 5 numbers"));
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(parse("2 0\nv 0 0 0\n"), Err(fault));
         assert_eq!(parse("2\nv 0 0 0\n"), Err(FileError::line(1, "a count or index is missing")));
         assert_eq!(parse("2 0 0\nv 0 0 0\n"), Err(FileError::line(1, "'0' after two counts")));
-        assert_eq!(parse("g a \\\nv 0 0 0\n").unwrap_err().place, Place::Line(1));
+        assert_eq!(parse("g a \\\nv 0 0 0\n").unwrap_err().place, FilePlace::Line(1));
         assert_eq!(
             parse("v 0 0 0 \\\n"),
             Err(FileError::line(1, "the file ends in the middle of this statement"))

@@ -3,7 +3,7 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::Decimals;
-use super::error::{FileError, Place};
+use super::error::{FileError, FilePlace};
 use super::text::{check_last_line, count, lines, numbers_left, quote, unknown_vertex};
 use alloc::format;
 use alloc::vec::Vec;
@@ -70,7 +70,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, FileError> {
             corners.push(index);
         }
         check_rest(&mut words, &FACE_COLOUR, line)?;
-        faces.add(corners.iter().copied(), Place::Line(line))?;
+        faces.add(corners.iter().copied(), FilePlace::Line(line))?;
     }
     if let Some((line, _)) = source.next() {
         return Err(FileError::line(line, "more lines than the counts announce"));

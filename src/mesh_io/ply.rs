@@ -3,7 +3,7 @@
 
 use super::data::{Faces, MeshData};
 use super::decimals::Decimals;
-use super::error::{FileError, Place};
+use super::error::{FileError, FilePlace};
 use super::text::{check_last_line, check_single, count, lines, quote, text, unknown_vertex};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -110,7 +110,10 @@ fn header_fault(error: &ParseError) -> FileError {
     let message = error.to_string();
     let message = message.lines().next().unwrap_or("");
     let message = message.split_once(": ").filter(|_| error.line().is_some()).map_or(message, |(_, m)| m);
-    FileError { place: error.line().map_or(Place::Nowhere, Place::Line), problem: message.to_string() }
+    FileError {
+        place: error.line().map_or(FilePlace::Nowhere, FilePlace::Line),
+        problem: message.to_string(),
+    }
 }
 
 /// Checks that the file has the wanted elements and can be read in full. Returns the number of vertices.
@@ -162,7 +165,7 @@ impl Elements {
     }
 
     /// Adds an element of the file.
-    fn add(&mut self, kind: &str, element: &Element, place: Place) -> Result<(), FileError> {
+    fn add(&mut self, kind: &str, element: &Element, place: FilePlace) -> Result<(), FileError> {
         let fault = |problem| FileError { place, problem };
         match kind {
             "vertex" => {
@@ -208,7 +211,7 @@ fn ascii(
             let (line, content) = source.next().ok_or_else(|| FileError::line(end, inside(def, index)))?;
             if elements.wants(&def.name) {
                 let element = ascii_element(def, content, line, &mut decimals)?;
-                elements.add(&def.name, &element, Place::Line(line))?;
+                elements.add(&def.name, &element, FilePlace::Line(line))?;
             }
         }
     }
@@ -272,9 +275,9 @@ fn binary(
             };
             let element = element.map_err(|error| match error.kind() {
                 std::io::ErrorKind::UnexpectedEof => FileError::byte(file_size, inside(def, index)),
-                _ => FileError { place: Place::Byte(start), ..header_fault(&error) },
+                _ => FileError { place: FilePlace::Byte(start), ..header_fault(&error) },
             })?;
-            elements.add(&def.name, &element, Place::Byte(start))?;
+            elements.add(&def.name, &element, FilePlace::Byte(start))?;
         }
     }
     if rest.is_empty() {
@@ -426,8 +429,8 @@ mod tests {
     #[test]
     fn headers_that_are_not_of_meshes() {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
-        assert_eq!(fault("solid\n").place, Place::Line(1));
-        assert_eq!(fault("ply\nformat ascii 2\n").place, Place::Line(2));
+        assert_eq!(fault("solid\n").place, FilePlace::Line(1));
+        assert_eq!(fault("ply\nformat ascii 2\n").place, FilePlace::Line(2));
         let later = "ply\nformat ascii 2.0\nelement vertex 0\nend_header\n";
         assert_eq!(
             fault(later),

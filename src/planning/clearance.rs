@@ -22,7 +22,7 @@ impl PlanningScene {
         tolerance: f64,
         cutoff: f64,
     ) -> Result<SceneDistance, PlanningError> {
-        workspace.go_to(self, values)?;
+        self.go_to(workspace, values)?;
         Ok(workspace.scene.clearance(&self.query, tolerance, cutoff)?)
     }
 

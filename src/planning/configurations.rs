@@ -38,7 +38,7 @@ impl PlanningScene {
         values: &[f64],
         margin: f64,
     ) -> Result<SceneAnswer, PlanningError> {
-        workspace.go_to(self, values)?;
+        self.go_to(workspace, values)?;
         Ok(workspace.scene.within(&self.query, margin)?)
     }
 
@@ -53,7 +53,7 @@ impl PlanningScene {
         values: &[f64],
         margin: f64,
     ) -> Result<Vec<SceneHit>, PlanningError> {
-        workspace.go_to(self, values)?;
+        self.go_to(workspace, values)?;
         let mut hits = Vec::new();
         let _ = workspace.scene.for_each_hit(&self.query, margin, |hit| {
             hits.push(hit);

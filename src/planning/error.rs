@@ -1,7 +1,7 @@
 //! Errors of planning scenes and of the files of robots.
 
 use crate::construct::BuildError;
-use crate::mesh_io::{FileError, Place};
+use crate::mesh_io::{FileError, FilePlace};
 use crate::motion::MotionError;
 use crate::robot::RobotError;
 use crate::scene::SceneError;
@@ -80,7 +80,7 @@ impl fmt::Display for PlanningError {
         match self {
             Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::Mesh { path, error: FileError { place: Place::Nowhere, problem } } => {
+            Self::Mesh { path, error: FileError { place: FilePlace::Nowhere, problem } } => {
                 write!(f, "{}: {problem}", path.display())
             }
             Self::Mesh { path, error } => write!(f, "{}, {error}", path.display()),

@@ -1,6 +1,6 @@
 //! The geometry of a link: a shape, or the tree of a mesh.
 
-use super::Node;
+use super::PlanningNode;
 use crate::construct::{BuildError, Builder, Mesh};
 use crate::hierarchy::Bvh;
 use crate::primitive::Shape;
@@ -13,7 +13,7 @@ pub enum LinkGeometry {
     /// A mesh: a solid if it is closed or its holes were capped, otherwise a surface.
     Mesh {
         /// The tree of its triangles.
-        tree: Arc<Bvh<Node>>,
+        tree: Arc<Bvh<PlanningNode>>,
         /// The width of the widest hole of a surface. `None` for a solid, and for a surface with more holes than
         /// [`Builder::solid_with_caps`] closes.
         hole: Option<f64>,
@@ -39,7 +39,7 @@ impl LinkGeometry {
 
     /// A body of a scene that shares the tree.
     #[must_use]
-    pub fn body(&self) -> Body<'static, Node> {
+    pub fn body(&self) -> Body<'static, PlanningNode> {
         match self {
             Self::Mesh { tree, .. } => Body::new(SharedTree::Mesh(Arc::clone(tree))),
             Self::Shape(shape) => Body::new(*shape),

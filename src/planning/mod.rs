@@ -26,7 +26,10 @@ mod files;
 mod geometry;
 mod model;
 mod motions;
+mod objects;
 mod pairs;
+mod placement;
+mod plan;
 mod scene;
 mod workspace;
 
@@ -34,8 +37,9 @@ pub use error::PlanningError;
 pub use files::{RobotFiles, located};
 pub use geometry::LinkGeometry;
 pub use model::RobotModel;
+pub use plan::{Plan, PlanSettings};
 pub use scene::PlanningScene;
 pub use workspace::Workspace;
 
 /// The node type of all trees.
-pub type Node = crate::node::Node16<18>;
+pub type PlanningNode = crate::node::Node16<18>;

@@ -1,17 +1,18 @@
 //! Queries of straight motions in the joints.
 
+use super::PlanningNode;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
-use crate::motion::JointMotion;
-use crate::scene::{MotionAnswer, MotionMemory};
+use crate::motion::{JointMotion, MotionError};
+use crate::scene::{MotionAnswer, MotionMemory, Scene, SceneError};
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 use core::num::NonZeroU32;
 
 impl PlanningScene {
     /// Is the straight motion from one configuration to another free at all times
-    /// ([`Scene::check_motion`](crate::Scene::check_motion))? Continuous joints take the shorter way around.
+    /// ([`Scene::check_motion`])? Continuous joints take the shorter way around.
     ///
     /// # Errors
     /// As [`PlanningScene::is_free`], for either end.
@@ -26,7 +27,7 @@ impl PlanningScene {
     }
 
     /// As [`PlanningScene::check_motion`], at samples only, `parts + 1` of them, which proves nothing about the times
-    /// between them ([`Scene::check_motion_discrete`](crate::Scene::check_motion_discrete)).
+    /// between them ([`Scene::check_motion_discrete`]).
     ///
     /// # Errors
     /// As [`PlanningScene::check_motion`].
@@ -59,12 +60,12 @@ impl PlanningScene {
         workspace: &mut Workspace,
         ends: [&[f64]; 2],
         check: impl FnOnce(
-            &mut crate::Scene<'static, super::Node>,
+            &mut Scene<'static, PlanningNode>,
             &mut JointMotion<'_>,
             &mut MotionMemory<'_>,
-        ) -> Result<MotionAnswer, crate::scene::SceneError>,
+        ) -> Result<MotionAnswer, SceneError>,
     ) -> Result<MotionAnswer, PlanningError> {
-        workspace.serve(self);
+        self.serve(workspace);
         workspace.reserve_motion();
         let Workspace { scene, links, poses, values: [now, from, to], waiting, .. } = workspace;
         self.complete(ends[0], from)?;
@@ -81,23 +82,46 @@ impl PlanningScene {
         Ok(check(scene, &mut motion, &mut MotionMemory { poses, waiting })?)
     }
 
+    /// The configuration at a share, from 0 to 1, of the straight motion between two others.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`] if there is not one value for each variable.
+    pub fn between(&self, a: &[f64], b: &[f64], share: f64) -> Result<Vec<f64>, PlanningError> {
+        self.check_lengths(a, b)?;
+        let value = |i: usize| {
+            let (from, to) = self.shorter(i, a[i], b[i]);
+            // Rounding may push the sum beyond the ends.
+            (from + share * (to - from)).clamp(from.min(to), from.max(to))
+        };
+        Ok((0..self.variables()).map(value).collect())
+    }
+
     /// The distance of two configurations in the joints, where continuous joints take the shorter way around.
     ///
     /// # Errors
     /// [`PlanningError::Scene`] if there is not one value for each variable.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> Result<f64, PlanningError> {
-        let (mut from, mut to) = (Vec::new(), Vec::new());
-        self.complete(a, &mut from)?;
-        self.complete(b, &mut to)?;
-        let continuous = &self.robot.robot().continuous;
-        let square = |&variable: &usize| {
-            let (mut p, mut q) = (from[variable], to[variable]);
-            if continuous[variable] {
-                (p, q) = shorter_way(p, q);
-            }
-            (q - p) * (q - p)
+        self.check_lengths(a, b)?;
+        let square = |i: usize| {
+            let (from, to) = self.shorter(i, a[i], b[i]);
+            (to - from) * (to - from)
         };
-        Ok(libm::sqrt(self.variables.iter().map(square).sum()))
+        Ok(libm::sqrt((0..self.variables()).map(square).sum()))
+    }
+}
+
+impl PlanningScene {
+    fn check_lengths(&self, a: &[f64], b: &[f64]) -> Result<(), PlanningError> {
+        let needed = self.variables();
+        match [a.len(), b.len()].into_iter().find(|given| *given != needed) {
+            Some(given) => Err(MotionError::Length { given, needed }.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The ends of the motion of the i-th variable that is planned for.
+    fn shorter(&self, i: usize, from: f64, to: f64) -> (f64, f64) {
+        if self.robot.robot().continuous[self.variables[i]] { shorter_way(from, to) } else { (from, to) }
     }
 }
 

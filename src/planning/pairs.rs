@@ -17,7 +17,7 @@ impl PlanningScene {
         pair: (BodyId, BodyId),
         boxes: usize,
     ) -> Result<PairReport, PlanningError> {
-        workspace.serve(self);
+        self.serve(workspace);
         Ok(workspace.scene.classify_pair(&self.query, &self.links, self.kinematics()?, pair, boxes)?)
     }
 }

@@ -1,14 +1,13 @@
 //! A robot, what it stands among, and the group of joints that is planned for.
 
-use super::Node;
+use super::PlanningNode;
 use super::error::PlanningError;
 use super::model::RobotModel;
-use super::workspace::Workspace;
 use crate::isa::Isa;
 use crate::motion::{Kinematics, MotionError};
 use crate::pose::Pose;
 use crate::query::Query;
-use crate::scene::{Body, BodyId, Scene, SceneError};
+use crate::scene::{BodyId, Scene, SceneError};
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -21,10 +20,10 @@ use core::sync::atomic::{AtomicU64, Ordering};
 #[derive(Clone, Debug)]
 pub struct PlanningScene {
     pub(super) robot: Arc<RobotModel>,
-    pub(super) scene: Scene<'static, Node>,
+    pub(super) scene: Scene<'static, PlanningNode>,
     /// The bodies of the robot, in its order.
     pub(super) links: Vec<BodyId>,
-    objects: Vec<(BodyId, String)>,
+    pub(super) objects: Vec<(BodyId, String)>,
     /// The variables that are planned for.
     pub(super) variables: Vec<usize>,
     /// Limits of these.
@@ -44,7 +43,7 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// A number that no scene has had before.
-fn stamp() -> u64 {
+pub(super) fn stamp() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
@@ -127,93 +126,6 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Adds an object, such as a shape, a shared tree, or a shared cloud. Make it [fixed](Body::fixed) unless it will
-    /// be attached to the robot: two fixed bodies are not tested against each other. Bodies of the robot come first
-    /// ([`PlanningScene::link`]).
-    ///
-    /// # Errors
-    /// [`PlanningError::Scene`] if the pose or the body's radius is invalid.
-    pub fn insert(
-        &mut self,
-        name: impl Into<String>,
-        body: Body<'static, Node>,
-        world: &Pose,
-    ) -> Result<BodyId, PlanningError> {
-        let id = self.scene.insert(body, world)?;
-        self.objects.push((id, name.into()));
-        self.stamp = stamp();
-        Ok(id)
-    }
-
-    /// Moves an object, and everything attached to it.
-    ///
-    /// # Errors
-    /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object, it is attached, or the pose is
-    /// invalid.
-    pub fn place(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
-        self.check_object(object)?;
-        self.stamp = stamp();
-        Ok(self.scene.place(object, world)?)
-    }
-
-    /// Removes an object. What is attached to it stays where it is.
-    ///
-    /// # Errors
-    /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object.
-    pub fn remove(&mut self, object: BodyId) -> Result<Body<'static, Node>, PlanningError> {
-        self.check_object(object)?;
-        let body = self.scene.remove(object)?;
-        self.objects.retain(|(id, _)| *id != object);
-        self.stamp = stamp();
-        Ok(body)
-    }
-
-    /// Attaches an object to a link of the robot, as it stands while the joints have these values, of the variables that
-    /// are planned for. From then on it moves with the link, and may touch the links of `touched`, for which names of
-    /// bodies count too ([`RobotModel::names`]).
-    ///
-    /// # Errors
-    /// [`PlanningError`]: there is no such link or object, the object is attached already or part of the robot, or a
-    /// value is outside of its limits.
-    pub fn attach(
-        &mut self,
-        object: BodyId,
-        link: &str,
-        values: &[f64],
-        touched: &[&str],
-    ) -> Result<(), PlanningError> {
-        self.check_object(object)?;
-        let to = self.link(link)?;
-        let touched =
-            touched.iter().map(|name| self.links_named(name)).collect::<Result<Vec<_>, _>>()?.concat();
-        let mut workspace = self.workspace();
-        workspace.go_to(self, values)?;
-        for &id in &self.links {
-            self.scene.place(id, workspace.scene.world_pose(id)?)?;
-        }
-        self.scene.attach(object, to)?;
-        for id in touched {
-            self.scene.allow_collision(object, id)?;
-        }
-        self.stamp = stamp();
-        Ok(())
-    }
-
-    /// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links again.
-    ///
-    /// # Errors
-    /// As [`PlanningScene::place`].
-    pub fn detach(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
-        self.check_object(object)?;
-        self.scene.detach(object)?;
-        self.stamp = stamp();
-        self.scene.place(object, world)?;
-        for &link in &self.links {
-            self.scene.forbid_collision(object, link)?;
-        }
-        Ok(())
-    }
-
     /// Allows two bodies to meet: no query tests the pair.
     ///
     /// # Errors
@@ -232,15 +144,8 @@ impl PlanningScene {
         Ok(self.scene.forbid_collision(a, b)?)
     }
 
-    fn check_object(&self, object: BodyId) -> Result<(), PlanningError> {
-        match self.links.iter().position(|link| *link == object) {
-            Some(body) => Err(PlanningError::IsRobot { name: self.robot.names()[body].clone() }),
-            None => Ok(()),
-        }
-    }
-
     /// The bodies of a link, or the one body of this name.
-    fn links_named(&self, name: &str) -> Result<Vec<BodyId>, PlanningError> {
+    pub(super) fn links_named(&self, name: &str) -> Result<Vec<BodyId>, PlanningError> {
         let names = self.robot.robot().names.iter().zip(self.robot.names());
         let is_named = |(link, body): (&String, &String)| link == name || body == name;
         let ids: Vec<_> =
@@ -298,12 +203,6 @@ impl PlanningScene {
     #[must_use]
     pub fn limits(&self) -> &[[f64; 2]] {
         &self.limits
-    }
-
-    /// Memory for queries, one for each thread. It serves this scene, its copies, and all later states of them.
-    #[must_use]
-    pub fn workspace(&self) -> Workspace {
-        Workspace::new(self)
     }
 
     pub(super) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {

@@ -27,12 +27,12 @@ pub struct Robot {
     /// Whether each variable belongs to a continuous joint: values that differ by full turns are the same.
     pub continuous: Vec<bool>,
     /// All links of the description, with and without bodies.
-    pub links: Vec<Link>,
+    pub links: Vec<RobotLink>,
 }
 
 /// A link of a description.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Link {
+pub struct RobotLink {
     /// Its name.
     pub name: String,
     /// The joint that moves it, which may be fixed, and the link that this joint is on. `None` for the root.

@@ -1,6 +1,6 @@
 //! Converts the links and joints of a URDF file to moving joints.
 
-use super::description::{Link, LinkParent, Robot};
+use super::description::{LinkParent, Robot, RobotLink};
 use super::error::RobotError;
 use super::shapes::{LinkShape, LinkShapes};
 use crate::motion::{Joint, JointKind, LinkBody, MotionError};
@@ -159,9 +159,9 @@ fn limits(joint: &urdf_rs::Joint) -> [f64; 2] {
 }
 
 /// All links, each with its parent.
-fn links(urdf: &urdf_rs::Robot) -> Result<Vec<Link>, RobotError> {
+fn links(urdf: &urdf_rs::Robot) -> Result<Vec<RobotLink>, RobotError> {
     let mut links: Vec<_> =
-        urdf.links.iter().map(|link| Link { name: link.name.clone(), parent: None }).collect();
+        urdf.links.iter().map(|link| RobotLink { name: link.name.clone(), parent: None }).collect();
     for joint in &urdf.joints {
         let link = link_of(urdf, joint, &joint.parent.link)?;
         let child = link_of(urdf, joint, &joint.child.link)?;

@@ -10,7 +10,7 @@ mod links;
 mod shapes;
 mod srdf;
 
-pub use description::{Link, LinkParent, Robot};
+pub use description::{LinkParent, Robot, RobotLink};
 pub use error::RobotError;
 pub use groups::JointGroup;
 pub use shapes::{LinkShape, LinkShapes};

@@ -19,6 +19,8 @@ pub struct Slot<'t, N> {
     pub(super) parent: Option<Attached>,
     /// Which of the moving bodies of a motion, or of a batch of configurations, this one moves with, by index.
     pub(super) carrier: Option<u32>,
+    /// The last interval of a motion that a motion bound of this body was computed for, and the bound.
+    pub(super) bound: (u32, f64),
     pub(super) world: Pose,
     /// Inverse of the world pose, stored for fixed bodies: they are tested more often than placed.
     pub(super) inverted: Inverted,
@@ -47,6 +49,7 @@ impl<N> Slot<'_, N> {
         attached: 0,
         parent: None,
         carrier: None,
+        bound: (0, 0.0),
         world: Pose::IDENTITY,
         inverted: Inverted::IDENTITY,
         size: BodySize::NOTHING,

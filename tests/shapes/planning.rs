@@ -167,7 +167,7 @@ fn among_obstacles(setting: &Setting) {
     for problem in setting.problems(&data, &robot, 5 * suite_step()) {
         check(&problem, &links, &trees, &mut counts);
     }
-    assert!(counts.hits > 100 && counts.frees > 1000, "{} {}", counts.hits, counts.frees);
+    assert!(counts.hits > 160 / suite_step() && counts.frees > 1000, "{} {}", counts.hits, counts.frees);
     // Errors of a ten-thousandth of a millimetre hardly ever decide.
     assert!(counts.of_prisms < 5, "{}", counts.of_prisms);
 }

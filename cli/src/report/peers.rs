@@ -125,7 +125,7 @@ mod tests {
         let broken = FILE.replace("11,,50", "eleven,,50");
         assert!(matches!(
             parse(broken.as_bytes(), "cow", [10, 20]),
-            Err(FileError { place, .. }) if place == simdop::mesh_io::Place::Line(4)
+            Err(FileError { place, .. }) if place == simdop::mesh_io::FilePlace::Line(4)
         ));
         let other = parse(b"a,b\n1,2\n", "cow", [10, 20]).unwrap_err();
         assert!(other.problem.starts_with("not the results of benches/peers: "), "{other:?}");

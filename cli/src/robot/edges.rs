@@ -1,7 +1,7 @@
 //! Does the robot meet anything on its way? Straight motions of problems, certified and sampled.
 
 use super::problems::Problem;
-use super::timing::{median, timed};
+use super::timing::{mean, median, timed};
 use super::world::World;
 use crate::random::{Random, towards};
 use serde::Serialize;
@@ -26,8 +26,39 @@ struct Outcomes {
     missed: usize,
     times: u64,
     samples: u64,
-    certified: Vec<f64>,
-    sampled: Vec<f64>,
+    certified: Times,
+    sampled: Times,
+}
+
+/// Microseconds of each motion.
+#[derive(Default)]
+struct Times {
+    all: Vec<f64>,
+    free: Vec<f64>,
+    hits: Vec<f64>,
+}
+
+impl Times {
+    fn add(&mut self, microseconds: f64, verdict: &MotionVerdict) {
+        self.all.push(microseconds);
+        match verdict {
+            MotionVerdict::Free => self.free.push(microseconds),
+            MotionVerdict::Hit { .. } => self.hits.push(microseconds),
+            MotionVerdict::Unresolved { .. } => {}
+        }
+    }
+
+    fn report(self) -> TimesReport {
+        TimesReport { free_mean: mean(&self.free), hits_mean: mean(&self.hits), median: median(self.all) }
+    }
+}
+
+/// Microseconds for a motion. Free ones and hits are those of the certified verdict.
+#[derive(Serialize)]
+struct TimesReport {
+    median: f64,
+    free_mean: f64,
+    hits_mean: f64,
 }
 
 #[derive(Serialize)]
@@ -42,8 +73,8 @@ pub(super) struct EdgeReport {
     /// Mean number of times at which the bodies were placed.
     mean_times: f64,
     mean_samples: f64,
-    median_microseconds: f64,
-    sampled_median_microseconds: f64,
+    certified_microseconds: TimesReport,
+    sampled_microseconds: TimesReport,
 }
 
 impl Edges {
@@ -70,7 +101,7 @@ impl Edges {
 
     pub(super) fn report(self) -> Vec<EdgeReport> {
         let report = |(edges, kind): (&'static str, Outcomes)| {
-            let asked = kind.certified.len();
+            let asked = kind.certified.all.len();
             let mean = |sum: u64| sum as f64 / asked.max(1) as f64;
             EdgeReport {
                 edges,
@@ -81,8 +112,8 @@ impl Edges {
                 missed_by_samples: kind.missed,
                 mean_times: mean(kind.times),
                 mean_samples: mean(kind.samples),
-                median_microseconds: median(kind.certified),
-                sampled_median_microseconds: median(kind.sampled),
+                certified_microseconds: kind.certified.report(),
+                sampled_microseconds: kind.sampled.report(),
             }
         };
         ["start to goal", "random"].into_iter().zip(self.kinds).map(report).collect()
@@ -92,9 +123,9 @@ impl Edges {
 impl Outcomes {
     fn ask(&mut self, ends: [&[f64]; 2], world: &mut World) -> Result<(), PlanningError> {
         let (certified, microseconds) = timed(|| world.edge(ends))?;
-        self.certified.push(microseconds);
+        self.certified.add(microseconds, &certified.verdict);
         let (sampled, microseconds) = timed(|| world.check_motion_discrete(ends))?;
-        self.sampled.push(microseconds);
+        self.sampled.add(microseconds, &certified.verdict);
         self.times += certified.times;
         self.samples += sampled.times;
         match certified.verdict {
@@ -112,13 +143,19 @@ impl Outcomes {
 pub(super) fn print(reports: &[EdgeReport], out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "\nedges            asked    free    hits  unresolved  missed by samples   times  samples   median us  sampled"
+        "\nedges            asked    free    hits  unresolved  missed by samples   times  samples"
     )?;
     for report in reports {
         let EdgeReport { edges, asked, free, hits, unresolved, missed_by_samples, .. } = report;
         write!(out, "{edges:15} {asked:6} {free:7} {hits:7} {unresolved:11} {missed_by_samples:18} ")?;
-        write!(out, "{:7.1} {:8.1} ", report.mean_times, report.mean_samples)?;
-        writeln!(out, "{:11.2} {:8.2}", report.median_microseconds, report.sampled_median_microseconds)?;
+        writeln!(out, "{:7.1} {:8.1}", report.mean_times, report.mean_samples)?;
+    }
+    writeln!(out, "\nus a motion      median  sampled  free mean  sampled  hits mean  sampled")?;
+    for EdgeReport { edges, certified_microseconds: certified, sampled_microseconds: sampled, .. } in reports
+    {
+        write!(out, "{edges:15} {:8.2} {:8.2} ", certified.median, sampled.median)?;
+        write!(out, "{:10.2} {:8.2} ", certified.free_mean, sampled.free_mean)?;
+        writeln!(out, "{:10.2} {:8.2}", certified.hits_mean, sampled.hits_mean)?;
     }
     Ok(())
 }

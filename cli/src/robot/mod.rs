@@ -4,6 +4,7 @@ mod edges;
 mod fates;
 mod model;
 mod options;
+mod plans;
 mod problems;
 mod timing;
 mod validity;
@@ -18,6 +19,7 @@ use crate::random::Random;
 use edges::{EdgeReport, Edges};
 use fates::FatesReport;
 use model::moving_pairs;
+use plans::{Plans, PlansReport};
 use problems::Problem;
 use serde::Serialize;
 use simdop::planning::{LinkGeometry, PlanningError, RobotModel};
@@ -76,6 +78,8 @@ struct ProblemsReport {
     problems: usize,
     validity: ValidityReport,
     edges: Vec<EdgeReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plans: Option<PlansReport>,
 }
 
 /// Boxes for a pair of the built-in arm.
@@ -86,6 +90,9 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let with_problems = is_built_in || options.problems.is_some();
     if options.edges.is_some() && !with_problems {
         return Err(Error::Option { option: "--edges", problem: "edges are those of --problems".into() });
+    }
+    if options.plan && !with_problems {
+        return Err(Error::Option { option: "--plan", problem: "paths are those of --problems".into() });
     }
     let model = model::read(options)?;
     let problems =
@@ -118,14 +125,23 @@ fn ask(
 ) -> Result<ProblemsReport, PlanningError> {
     let count = options.edges.unwrap_or(10) as usize;
     let (mut validity, mut edges, mut random) = (Validity::default(), Edges::default(), Random::new(1));
+    let mut plans = options.plan.then(Plans::default);
     let bar = progress::bar(problems.len(), "problems", options.json);
-    for problem in problems {
+    for (number, problem) in problems.iter().enumerate() {
         let mut world = World::new(model, problem, query)?;
-        validity.ask(model, problem, &mut world, &mut random)?;
+        validity.ask(model, (number, problem), &mut world, &mut random)?;
         edges.ask(model, problem, count, &mut world, &mut random)?;
+        if let Some(plans) = &mut plans {
+            plans.ask(problem, &mut world)?;
+        }
         bar.inc(1);
     }
-    Ok(ProblemsReport { problems: problems.len(), validity: validity.report(), edges: edges.report() })
+    Ok(ProblemsReport {
+        problems: problems.len(),
+        validity: validity.report(),
+        edges: edges.report(),
+        plans: plans.map(Plans::report),
+    })
 }
 
 impl RobotReport {
@@ -201,10 +217,13 @@ impl Report {
             return out.flush();
         }
         self.robot.print(&mut out)?;
-        if let Some(ProblemsReport { problems, validity, edges }) = &self.problems {
+        if let Some(ProblemsReport { problems, validity, edges, plans }) = &self.problems {
             writeln!(out, "\n{problems} problems, {}", self.isa)?;
             validity.print(&mut out)?;
             edges::print(edges, &mut out)?;
+            if let Some(plans) = plans {
+                plans.print(&mut out)?;
+            }
         }
         if let Some(pairs) = &self.pairs {
             pairs.print(&mut out)?;

@@ -32,6 +32,9 @@ pub(crate) struct Options {
     /// Random motions of each problem, in addition to those from its start to its goals [default: 10].
     #[arg(long, value_name = "COUNT")]
     pub(super) edges: Option<u32>,
+    /// Plan a path from the start of each problem to one of its goals: RRT-Connect on certified motions.
+    #[arg(long)]
+    pub(super) plan: bool,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     pub(super) isa: Isa,

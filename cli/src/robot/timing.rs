@@ -19,7 +19,12 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 }
 
 /// Zero of nothing.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(values: Vec<f64>) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// Zero of nothing.
+pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    values.get((share * values.len() as f64) as usize).copied().unwrap_or(0.0)
 }

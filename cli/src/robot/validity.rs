@@ -18,7 +18,23 @@ const ROWS: usize = 10;
 pub(super) struct Validity {
     kinds: [Kind; 3],
     hits: BTreeMap<[String; 2], usize>,
+    rows: Vec<Row>,
 }
+
+/// One configuration, so that others can compare their verdicts.
+#[derive(Serialize)]
+struct Row {
+    problem: usize,
+    kind: &'static str,
+    /// Of the robot's variables.
+    values: Vec<f64>,
+    valid: bool,
+    /// The first two bodies that were found to meet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bodies: Option<[String; 2]>,
+}
+
+const KINDS: [&str; 3] = ["starts", "goals", "random"];
 
 /// Configurations of one kind: how many are valid, and the time for each.
 #[derive(Default)]
@@ -33,6 +49,7 @@ pub(super) struct ValidityReport {
     /// The number of configurations that each pair of bodies made invalid, counting the first pair found in each;
     /// sorted, the most frequent first.
     hits: Vec<HitReport>,
+    rows: Vec<Row>,
 }
 
 #[derive(Serialize)]
@@ -54,23 +71,31 @@ impl Validity {
     pub(super) fn ask(
         &mut self,
         model: &RobotModel,
-        problem: &Problem,
+        (number, problem): (usize, &Problem),
         world: &mut World,
         random: &mut Random,
     ) -> Result<(), PlanningError> {
-        self.one(0, &problem.start, world)?;
-        problem.goals.iter().try_for_each(|goal| self.one(1, goal, world))?;
-        (0..RANDOM).try_for_each(|_| self.one(2, &random.configuration(&model.robot().limits), world))
+        self.one(number, 0, &problem.start, world)?;
+        problem.goals.iter().try_for_each(|goal| self.one(number, 1, goal, world))?;
+        (0..RANDOM).try_for_each(|_| self.one(number, 2, &random.configuration(&model.robot().limits), world))
     }
 
-    fn one(&mut self, kind: usize, values: &[f64], world: &mut World) -> Result<(), PlanningError> {
+    fn one(
+        &mut self,
+        problem: usize,
+        kind: usize,
+        values: &[f64],
+        world: &mut World,
+    ) -> Result<(), PlanningError> {
         let (hit, microseconds) = timed(|| world.hit_at(values))?;
-        let kind = &mut self.kinds[kind];
-        kind.microseconds.push(microseconds);
-        match hit {
-            Some(hit) => *self.hits.entry(world.names(&hit).map(Into::into)).or_default() += 1,
-            None => kind.valid += 1,
+        let bodies = hit.map(|hit| world.names(&hit).map(Into::into));
+        self.kinds[kind].microseconds.push(microseconds);
+        match &bodies {
+            Some(bodies) => *self.hits.entry(bodies.clone()).or_default() += 1,
+            None => self.kinds[kind].valid += 1,
         }
+        let (kind, valid) = (KINDS[kind], bodies.is_none());
+        self.rows.push(Row { problem, kind, values: values.to_vec(), valid, bodies });
         Ok(())
     }
 
@@ -85,8 +110,8 @@ impl Validity {
         let hit = |(bodies, configurations)| HitReport { bodies, configurations };
         let mut hits: Vec<_> = self.hits.into_iter().map(hit).collect();
         hits.sort_by_key(|hit| core::cmp::Reverse(hit.configurations));
-        let kinds = ["starts", "goals", "random"].into_iter().zip(self.kinds);
-        ValidityReport { configurations: kinds.map(kind).collect(), hits }
+        let kinds = KINDS.into_iter().zip(self.kinds);
+        ValidityReport { configurations: kinds.map(kind).collect(), hits, rows: self.rows }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::problems::Problem;
 use crate::random::distance;
 use core::num::NonZeroU32;
-use simdop::planning::{PlanningError, PlanningScene, RobotModel, Workspace};
+use simdop::planning::{Plan, PlanSettings, PlanningError, PlanningScene, RobotModel, Workspace};
 use simdop::query::Query;
 use simdop::scene::{Body, MotionAnswer, SceneHit};
 use std::sync::Arc;
@@ -44,6 +44,12 @@ impl World {
         let parts = (SAMPLES * distance(ends[0], ends[1])).ceil() as u32;
         let parts = NonZeroU32::new(parts).unwrap_or(NonZeroU32::MIN);
         self.scene.check_motion_discrete(&mut self.workspace, ends, parts)
+    }
+
+    /// A path to one of the problem's goals.
+    pub(super) fn plan(&mut self, problem: &Problem, settings: &PlanSettings) -> Result<Plan, PlanningError> {
+        let goals: Vec<&[f64]> = problem.goals.iter().map(Vec::as_slice).collect();
+        self.scene.plan(&mut self.workspace, &problem.start, &goals, settings)
     }
 
     /// The robot's bodies first, in their order.

@@ -105,6 +105,8 @@ impl Query {
         (completion, stats)
     }
 
+    // Not inlined: scenes without shapes should not pay for its stack frame.
+    #[inline(never)]
     fn shape_within<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
@@ -135,6 +137,8 @@ impl Query {
         Answer { verdict, stats, hint: Hint::NONE }
     }
 
+    // Not inlined: scenes without shapes should not pay for its stack frame.
+    #[inline(never)]
     fn shape_distance<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
@@ -222,6 +226,8 @@ impl Query {
 
 /// Two shapes in one frame, of bodies that are shapes.
 impl Query {
+    // Not inlined: scenes without shapes should not pay for its stack frame.
+    #[inline(never)]
     pub(crate) fn shapes_within(&self, a: &Shape, b: &Shape, margin: f64) -> Answer {
         let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
         let is_near = is_near(a, b, margin, &mut stats.exact_pairs);
@@ -229,6 +235,8 @@ impl Query {
         Answer { verdict, stats, hint: Hint::NONE }
     }
 
+    // Not inlined: scenes without shapes should not pay for its stack frame.
+    #[inline(never)]
     pub(crate) fn shapes_distance(&self, a: &Shape, b: &Shape, tolerance: f64, cutoff: f64) -> Distance {
         let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
         let tolerance = if tolerance > TIGHT { tolerance } else { TIGHT };

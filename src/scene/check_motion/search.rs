@@ -23,6 +23,12 @@ enum Known {
     OutOfBudget,
 }
 
+/// Times that are tested before pairs are certified in intervals that are too long for it: most hits are found there.
+/// The end comes first, since a planner seldom starts at a hit; the others are the middles of the intervals from 2 to
+/// [`FIRST_UNTESTED`].
+const FIRST_TIMES: [f64; 7] = [1.0, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875];
+const FIRST_UNTESTED: u32 = 8;
+
 /// Longest motion bound, for bodies of these radii, at which a distance query pays: over longer ones, it seldom
 /// certifies bodies that come near each other at all. Half of the smaller body's radius, which counts as at least a
 /// tenth of the larger one's. For two points any bound that does not overflow.
@@ -48,23 +54,33 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
     ) -> Result<MotionAnswer, SceneError> {
         let mut found = MotionAnswer::new();
         let mut unresolved = Unresolved(None);
+        if self.ends_at(0.5, &mut found)? {
+            return Ok(found);
+        }
         self.gather(&mut queue, &mut unresolved)?;
+        let mut are_first_times_tested = false;
         while let Some(MotionHit { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
-            // `gather` left the bodies at the middle of the first interval.
-            if interval > 1 {
-                self.go_to(middle)?;
-            }
-            found.times += 1;
             let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
-            // Most hits are found early, and end the search before any certification.
-            match self.first_hit(&queue, interval, &mut found)? {
-                SceneVerdict::Hit(hit) => {
-                    found.verdict = MotionVerdict::Hit { hit, time: middle };
-                    return Ok(found);
+            if !are_first_times_tested && (interval > 1 || self.is_long(&queue)) {
+                are_first_times_tested = true;
+                for time in FIRST_TIMES {
+                    if self.ends_at(time, &mut found)? {
+                        return Ok(found);
+                    }
                 }
-                SceneVerdict::Unknown => queue.give_up(&mut unresolved),
-                SceneVerdict::Free => {}
+            }
+            self.go_to(middle)?;
+            if interval >= FIRST_UNTESTED {
+                found.times += 1;
+                match self.first_hit(&queue, interval, &mut found)? {
+                    SceneVerdict::Hit(hit) => {
+                        found.verdict = MotionVerdict::Hit { hit, time: middle };
+                        return Ok(found);
+                    }
+                    SceneVerdict::Unknown => queue.give_up(&mut unresolved),
+                    SceneVerdict::Free => {}
+                }
             }
             let mut near = 0;
             while let Some(pair) = queue.pop_of(interval) {
@@ -98,6 +114,30 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         Ok(found)
     }
 
+    /// Whether the first interval is too long to certify a pair by a distance query.
+    fn is_long(&self, queue: &MotionQueue<'_>) -> bool {
+        (0..queue.len).filter_map(|i| queue.get(i)).any(|pair| {
+            let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
+            motion_bound_of_pair(self.motion, slots, 0.0, 0.5)
+                > long_way(a.size.whole_reach(), b.size.whole_reach())
+        })
+    }
+
+    /// Whether two bodies meet at this time, or the budget runs out, either of which ends the search.
+    fn ends_at(&mut self, time: f64, found: &mut MotionAnswer) -> Result<bool, SceneError> {
+        self.go_to(time)?;
+        let answer = self.scene.collide(&self.query.after(&found.stats))?;
+        found.times += 1;
+        found.pairs += answer.pairs;
+        found.stats = found.stats.and(&answer.stats);
+        match answer.verdict {
+            SceneVerdict::Hit(hit) => found.verdict = MotionVerdict::Hit { hit, time },
+            SceneVerdict::Unknown => found.verdict = MotionVerdict::Unresolved { from: 0.0, to: 1.0 },
+            SceneVerdict::Free => return Ok(false),
+        }
+        Ok(true)
+    }
+
     pub(super) fn sample(mut self, parts: NonZeroU32) -> Result<MotionAnswer, SceneError> {
         let mut found = MotionAnswer::new();
         let parts = parts.get();
@@ -109,13 +149,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 continue;
             }
             let time = part as f64 / f64::from(parts);
-            self.go_to(time)?;
-            let answer = self.scene.collide(&self.query.after(&found.stats))?;
-            found.times += 1;
-            found.pairs += answer.pairs;
-            found.stats = found.stats.and(&answer.stats);
-            if let Some(hit) = answer.hit() {
-                found.verdict = MotionVerdict::Hit { hit, time };
+            if self.ends_at(time, &mut found)? {
                 return Ok(found);
             }
         }
@@ -128,10 +162,10 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// Queues the pairs whose boxes come near each other at any time. Leaves the bodies at the middle of all times.
+    /// Queues the pairs whose boxes come near each other at any time. The bodies are at the middle of all times; their
+    /// boxes are left widened.
     fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
-        let (middle, span) = Interval(1).middle();
-        self.go_to(middle)?;
+        let (_, span) = Interval(1).middle();
         for i in 0..self.scene.memory.slots.len() {
             let slot = &self.scene.memory.slots[i];
             if let Some(carrier) = slot.carrier
@@ -139,6 +173,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
             {
                 let path = self.motion.motion_bound(carrier as usize, &slot.size.ball(&slot.world), span);
                 let bounds = widened(&self.scene.memory.bounds(i), finite_or_infinite(path));
+                self.scene.memory.slots[i].bound = (1, finite_or_infinite(path));
                 self.scene.memory.set_bounds(i, bounds);
             }
         }
@@ -154,8 +189,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 }
             }
         }
-        // Restores the boxes, which were widened above.
-        self.scene.place_all(self.moving, self.poses)
+        Ok(())
     }
 
     /// The first pair that meets at the current poses, of those pending for an interval.
@@ -181,12 +215,21 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
     }
 
     /// Whether a pair that does not meet at the current poses is free within `span` of the current time.
-    fn certify(&self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
-        let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
-        let path = motion_bound_of_pair(self.motion, slots, 0.0, span);
+    fn certify(&mut self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
         let candidate = self.scene.pair_now(pair.a, pair.b);
         // 1e-6 covers the rounding of the `f32` depth.
-        if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
+        let are_boxes_apart = |path: f64| f64::from(-candidate.depth) > path * (1.0 + 1e-6);
+        // Two bounds of one body each are looser than that of the pair, and computed once for all pairs.
+        let apart = self.bound_of(pair.a, pair.interval, span) + self.bound_of(pair.b, pair.interval, span);
+        if are_boxes_apart(apart) {
+            return Ok(Known::Free);
+        }
+        let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
+        let path = match (a.carrier, b.carrier) {
+            (Some(_), Some(_)) => motion_bound_of_pair(self.motion, slots, 0.0, span),
+            _ => apart,
+        };
+        if are_boxes_apart(path) {
             return Ok(Known::Free);
         }
         if path > long_way(a.size.whole_reach(), b.size.whole_reach()) {
@@ -200,6 +243,18 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
             Verdict::Unknown { .. } => Known::OutOfBudget,
             Verdict::Hit(_) => Known::Near,
         })
+    }
+
+    /// Motion bound of one body within `span` of the current time, the middle of an interval. Zero if it stands still.
+    /// `gather` replaced the bounds of earlier motions by those of interval 1.
+    fn bound_of(&mut self, body: u32, interval: u32, span: f64) -> f64 {
+        let slot = &mut self.scene.memory.slots[body as usize];
+        let Some(carrier) = slot.carrier else { return 0.0 };
+        if slot.bound.0 != interval {
+            let bound = self.motion.motion_bound(carrier as usize, &slot.size.ball(&slot.world), span);
+            slot.bound = (interval, finite_or_infinite(bound));
+        }
+        slot.bound.1
     }
 
     fn ask_within(

@@ -1,0 +1,45 @@
+//! Workspaces of a scene, and where the robot is in them.
+
+use super::error::PlanningError;
+use super::scene::PlanningScene;
+use super::workspace::Workspace;
+use crate::motion::LinkFrame;
+use crate::pose::Pose;
+use alloc::vec;
+use alloc::vec::Vec;
+
+impl PlanningScene {
+    /// Memory for queries, one for each thread. It serves this scene, its copies, and all later states of them.
+    #[must_use]
+    pub fn workspace(&self) -> Workspace {
+        let robot = self.robot.robot();
+        Workspace {
+            stamp: self.stamp,
+            scene: self.scene.clone(),
+            links: vec![LinkFrame::EMPTY; robot.joints.len() + 1],
+            poses: vec![Pose::IDENTITY; 2 * self.links.len()],
+            values: [(); 3].map(|()| vec![0.0; robot.variables.len()]),
+            waiting: Vec::new(),
+        }
+    }
+
+    /// Copies the scene if it is not the one that the workspace served last.
+    pub(super) fn serve(&self, workspace: &mut Workspace) {
+        if workspace.stamp != self.stamp {
+            let waiting = core::mem::take(&mut workspace.waiting);
+            *workspace = Workspace { waiting, ..self.workspace() };
+        }
+    }
+
+    /// Places the robot.
+    pub(super) fn go_to(&self, workspace: &mut Workspace, values: &[f64]) -> Result<(), PlanningError> {
+        self.serve(workspace);
+        let [all, ..] = &mut workspace.values;
+        self.complete(values, all)?;
+        self.kinematics()?.go_to(all, &mut workspace.links, &mut workspace.poses)?;
+        for (&id, pose) in self.links.iter().zip(&workspace.poses) {
+            workspace.scene.place(id, pose)?;
+        }
+        Ok(())
+    }
+}

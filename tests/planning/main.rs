@@ -1,0 +1,29 @@
+//! Planning scenes: verdicts, gradients and motions against scenes put together by hand, and files that are wrong.
+
+#[path = "../support/mod.rs"]
+#[allow(dead_code, reason = "each program uses some of it")]
+mod support;
+
+mod files;
+mod objects;
+mod real;
+
+use simdop::planning::{PlanningScene, RobotFiles, RobotModel};
+use simdop::pose::Pose;
+use std::path::Path;
+
+fn arm_file(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/arm").join(name)
+}
+
+fn arm() -> RobotModel {
+    RobotFiles::new(arm_file("arm.urdf")).srdf(arm_file("arm.srdf")).load().unwrap()
+}
+
+fn scene() -> PlanningScene {
+    PlanningScene::new(arm()).unwrap()
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]).unwrap()
+}
