@@ -4,7 +4,7 @@ use crate::boundary::{answered, checked, given, guarded, items, make};
 use crate::error::{Failure, simdop_error};
 use crate::shape::simdop_shape;
 use simdop::construct::{Builder, ConvexHull, Mesh, ShapeSet, SphereSet};
-use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header};
+use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header, VerifyError};
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
 use simdop::primitive::{Kind, Shape, Shapes, Sphere, Spheres, Triangles};
@@ -115,6 +115,17 @@ impl<S: Storage> View<'_, S> {
     }
 }
 
+impl<S: Storage> View<'_, S> {
+    fn verify(&self) -> Result<(), VerifyError> {
+        match self {
+            Self::Mesh(tree) => tree.verify(),
+            Self::Spheres(tree) => tree.verify(),
+            Self::Shapes(tree) => tree.verify(),
+            Self::Shape(_) => Ok(()),
+        }
+    }
+}
+
 impl<'t, S: Storage> View<'t, S> {
     fn open(bytes: &'t [u8], header: &Header) -> Result<Self, Failure> {
         Ok(if header.kind == Kind::SPHERES.code() {
@@ -176,6 +187,10 @@ impl<'t, S: Storage> From<View<'t, S>> for BodyTree<'t, Node<S>> {
 }
 
 impl simdop_body {
+    pub(crate) const fn of_shape(shape: Shape) -> Self {
+        Self(Geometry::Shape(shape))
+    }
+
     pub(crate) fn view(&self) -> AnyView<'_> {
         match &self.0 {
             Geometry::Lent { view, .. } => *view,
@@ -196,6 +211,24 @@ impl simdop_body {
             }
         }
     }
+}
+
+/// A mesh from arrays.
+///
+/// # Safety
+/// As for [`items`], with three numbers for each vertex and for each triangle.
+pub(crate) unsafe fn mesh<'m>(
+    vertices: *const f64,
+    vertex_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+) -> Result<Mesh<'m>, Failure> {
+    Ok(Mesh {
+        // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
+        vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
+        // SAFETY: as above.
+        triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
+    })
 }
 
 const FIXED: c_int = simdop_storage::Fixed as c_int;
@@ -279,12 +312,8 @@ pub unsafe extern "C" fn simdop_body_build_triangles_as(
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
     make(body, "body", || {
-        let mesh = Mesh {
-            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
-            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
-            // SAFETY: as above.
-            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
-        };
+        // SAFETY: the caller guarantees the lengths.
+        let mesh = unsafe { mesh(vertices, vertex_count, triangles, triangle_count) }?;
         let builder = if is_solid == 0 { Builder::new() } else { Builder::new().solid() };
         body_in!(storage, Mesh, builder.build_as(&mesh)?)
     })
@@ -308,12 +337,8 @@ pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
     make(body, "body", || {
-        let mesh = Mesh {
-            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
-            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
-            // SAFETY: as above.
-            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
-        };
+        // SAFETY: the caller guarantees the lengths.
+        let mesh = unsafe { mesh(vertices, vertex_count, triangles, triangle_count) }?;
         body_in!(storage, Mesh, Builder::new().solid_with_caps(width).build_as(&mesh)?)
     })
 }
@@ -422,7 +447,7 @@ pub extern "C" fn simdop_body_build_shape(
     shape: Option<&simdop_shape>,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    make(body, "body", || Ok(simdop_body(Geometry::Shape(given(shape, "shape")?.checked()?))))
+    make(body, "body", || Ok(simdop_body::of_shape(given(shape, "shape")?.checked()?)))
 }
 
 /// Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
@@ -474,6 +499,22 @@ pub extern "C" fn simdop_body_bytes(
         let (bytes, count) = (given(bytes, "bytes")?, given(count, "count")?);
         bytes.write(tree.as_ptr());
         count.write(tree.len());
+        Ok(())
+    })
+}
+
+/// Proves, in exact arithmetic, that the volumes of a body's tree contain its primitives, and that its caps close the
+/// surface. SIMDOP_ERROR_BYTES_VOLUME if not: then a query could miss a hit. Opening bytes proves only that they are
+/// safe to traverse, so verify a file from an unknown source once. A body of one shape has no tree, and passes. Takes
+/// time in proportion to the primitives times the depth of the tree.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_body_verify(body: Option<&simdop_body>) -> simdop_error {
+    guarded(|| {
+        match given(body, "body")?.view() {
+            AnyView::Fixed(view) => view.verify(),
+            AnyView::Half(view) => view.verify(),
+            AnyView::Shape(_) => Ok(()),
+        }?;
         Ok(())
     })
 }

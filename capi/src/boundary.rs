@@ -70,6 +70,15 @@ pub(crate) unsafe fn places<'a, T>(
     Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), count) })
 }
 
+/// An array with a value in each place.
+pub(crate) fn filled<T: Copy>(places: &mut [MaybeUninit<T>], value: T) -> &mut [T] {
+    for place in places.iter_mut() {
+        place.write(value);
+    }
+    // SAFETY: each place was written.
+    unsafe { places.assume_init_mut() }
+}
+
 /// All items after conversion, or the error of the first invalid one.
 pub(crate) fn checked<T, C>(
     items: &[T],

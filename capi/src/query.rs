@@ -1,19 +1,22 @@
 //! Queries of two bodies.
 
 use crate::body::{View, simdop_body};
-use crate::boundary::{answered, given};
+use crate::boundary::{answered, given, guarded, items, places};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use crate::reversed;
 use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half};
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Distance, Pair, Query, QueryStats, Verdict};
+use simdop::query::{Answer, Completion, Distance, Hint, Pair, Query, QueryStats, Verdict};
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
 /// No limit on visits: then no answer is unknown.
 pub const SIMDOP_NO_BUDGET: u64 = u64::MAX;
+
+/// No hint: see simdop_hint.
+pub const SIMDOP_NO_HINT: simdop_hint = u64::MAX;
 
 /// Index that stands for no primitive.
 pub const SIMDOP_NO_PRIMITIVE: u32 = u32::MAX;
@@ -124,6 +127,16 @@ impl From<QueryStats> for simdop_query_stats {
     }
 }
 
+impl simdop_query_stats {
+    pub(crate) fn add(&mut self, other: Self) {
+        self.visits += other.visits;
+        self.kernels += other.kernels;
+        self.realignments += other.realignments;
+        self.primitive_pairs += other.primitive_pairs;
+        self.exact_pairs += other.exact_pairs;
+    }
+}
+
 impl From<Completion> for simdop_completion {
     fn from(completion: Completion) -> Self {
         match completion {
@@ -176,53 +189,24 @@ impl From<Distance> for simdop_distance_answer {
     }
 }
 
-/// A query on the best instruction set of this machine, which is detected once.
+/// A query on the best instruction set of this machine.
 pub(crate) fn query(budget: u64) -> Query {
+    Query::new(isa()).with_budget(budget)
+}
+
+/// The best instruction set of this machine.
+pub(crate) fn isa() -> Isa {
     static ISA: LazyLock<Isa> = LazyLock::new(Isa::detect);
-    Query::new(*ISA).with_budget(budget)
-}
-
-/// The input of a query.
-struct Posed<'a> {
-    bodies: Both<'a>,
-    pose: Pose,
-}
-
-/// Two bodies that go together.
-enum Both<'a> {
-    Fixed(View<'a, Fixed>, View<'a, Fixed>),
-    Half(View<'a, Half>, View<'a, Half>),
-}
-
-impl<'a> Posed<'a> {
-    fn new(
-        a: Option<&'a simdop_body>,
-        b: Option<&'a simdop_body>,
-        a_in_b: Option<&simdop_pose>,
-    ) -> Result<Self, Failure> {
-        let pose = given(a_in_b, "a_in_b")?.checked()?;
-        let (a, b) = (given(a, "a")?.view(), given(b, "b")?.view());
-        let bodies = if let (Some(a), Some(b)) = (a.fixed(), b.fixed()) {
-            Both::Fixed(a, b)
-        } else if let (Some(a), Some(b)) = (a.half(), b.half()) {
-            Both::Half(a, b)
-        } else {
-            let [a, b] = [a, b].map(|view| view.storage().unwrap_or_default());
-            let message =
-                format!("a body of {a} cannot be tested against one of {b}: build one of them again");
-            return Err(Failure::new(simdop_error::OtherStorage, message));
-        };
-        Ok(Self { bodies, pose })
-    }
+    *ISA
 }
 
 /// Evaluates one of four expressions with both bodies, whatever their storage and primitives: of two trees, of a shape
 /// and a tree, of a tree and a shape, or of two shapes.
 macro_rules! with_bodies {
-    ($posed:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
-        match $posed.bodies {
-            Both::Fixed(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
-            Both::Half(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
+    ($both:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
+        match $both {
+            $crate::query::Both::Fixed(a, b) => $crate::query::with_bodies!(of a, b, |$a, $b| $($of),*),
+            $crate::query::Both::Half(a, b) => $crate::query::with_bodies!(of a, b, |$a, $b| $($of),*),
         }
     };
     (
@@ -230,22 +214,76 @@ macro_rules! with_bodies {
         $trees:expr, $beside:expr, $reversed:expr, $shapes:expr
     ) => {
         match ($of_a, $of_b) {
-            (View::Mesh($a), View::Mesh($b)) => $trees,
-            (View::Mesh($a), View::Spheres($b)) => $trees,
-            (View::Mesh($a), View::Shapes($b)) => $trees,
-            (View::Spheres($a), View::Mesh($b)) => $trees,
-            (View::Spheres($a), View::Spheres($b)) => $trees,
-            (View::Spheres($a), View::Shapes($b)) => $trees,
-            (View::Shapes($a), View::Mesh($b)) => $trees,
-            (View::Shapes($a), View::Spheres($b)) => $trees,
-            (View::Shapes($a), View::Shapes($b)) => $trees,
-            (View::Shape($a), View::Mesh($b)) => $beside,
-            (View::Shape($a), View::Spheres($b)) => $beside,
-            (View::Shape($a), View::Shapes($b)) => $beside,
-            (View::Shape($a), View::Shape($b)) => $shapes,
-            ($a, View::Shape($b)) => $reversed,
+            ($crate::body::View::Mesh($a), $crate::body::View::Mesh($b)) => $trees,
+            ($crate::body::View::Mesh($a), $crate::body::View::Spheres($b)) => $trees,
+            ($crate::body::View::Mesh($a), $crate::body::View::Shapes($b)) => $trees,
+            ($crate::body::View::Spheres($a), $crate::body::View::Mesh($b)) => $trees,
+            ($crate::body::View::Spheres($a), $crate::body::View::Spheres($b)) => $trees,
+            ($crate::body::View::Spheres($a), $crate::body::View::Shapes($b)) => $trees,
+            ($crate::body::View::Shapes($a), $crate::body::View::Mesh($b)) => $trees,
+            ($crate::body::View::Shapes($a), $crate::body::View::Spheres($b)) => $trees,
+            ($crate::body::View::Shapes($a), $crate::body::View::Shapes($b)) => $trees,
+            ($crate::body::View::Shape($a), $crate::body::View::Mesh($b)) => $beside,
+            ($crate::body::View::Shape($a), $crate::body::View::Spheres($b)) => $beside,
+            ($crate::body::View::Shape($a), $crate::body::View::Shapes($b)) => $beside,
+            ($crate::body::View::Shape($a), $crate::body::View::Shape($b)) => $shapes,
+            ($a, $crate::body::View::Shape($b)) => $reversed,
         }
     };
+}
+
+pub(crate) use with_bodies;
+
+/// Two bodies that go together.
+#[derive(Copy, Clone)]
+pub(crate) enum Both<'a> {
+    Fixed(View<'a, Fixed>, View<'a, Fixed>),
+    Half(View<'a, Half>, View<'a, Half>),
+}
+
+impl<'a> Both<'a> {
+    pub(crate) fn new(a: Option<&'a simdop_body>, b: Option<&'a simdop_body>) -> Result<Self, Failure> {
+        let (a, b) = (given(a, "a")?.view(), given(b, "b")?.view());
+        if let (Some(a), Some(b)) = (a.fixed(), b.fixed()) {
+            return Ok(Self::Fixed(a, b));
+        }
+        if let (Some(a), Some(b)) = (a.half(), b.half()) {
+            return Ok(Self::Half(a, b));
+        }
+        let [a, b] = [a, b].map(|view| view.storage().unwrap_or_default());
+        let message = format!("a body of {a} cannot be tested against one of {b}: build one of them again");
+        Err(Failure::new(simdop_error::OtherStorage, message))
+    }
+
+    fn collide(self, query: &Query, pose: &Pose) -> Result<Answer, Failure> {
+        Ok(with_bodies!(
+            self,
+            |a, b| query.collide(&a, &b, pose),
+            query.collide_shape(a, &b, pose),
+            reversed::within(query, a, b, pose, 0.0)?,
+            query.collide_shapes(a, b, pose),
+        ))
+    }
+
+    fn within(self, query: &Query, pose: &Pose, margin: f64) -> Result<Answer, Failure> {
+        Ok(with_bodies!(
+            self,
+            |a, b| query.within(&a, &b, pose, margin)?,
+            query.within_shape(a, &b, pose, margin)?,
+            reversed::within(query, a, b, pose, margin)?,
+            query.within_shapes(a, b, pose, margin)?,
+        ))
+    }
+
+    fn distance(self, query: &Query, pose: &Pose, tolerance: f64, cutoff: f64) -> Result<Distance, Failure> {
+        Ok(with_bodies!(
+            self,
+            |a, b| query.distance_up_to(&a, &b, pose, tolerance, cutoff)?,
+            query.distance_shape(a, &b, pose, tolerance, cutoff)?,
+            reversed::distance(query, a, b, pose, tolerance, cutoff)?,
+            query.distance_shapes(a, b, pose, tolerance, cutoff)?,
+        ))
+    }
 }
 
 /// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
@@ -264,16 +302,8 @@ pub extern "C" fn simdop_collide(
     answer: Option<&mut MaybeUninit<simdop_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let posed = Posed::new(a, b, a_in_b)?;
-        let (query, pose) = (query(budget), &posed.pose);
-        let answer = with_bodies!(
-            posed,
-            |a, b| query.collide(&a, &b, pose),
-            query.collide_shape(a, &b, pose),
-            reversed::within(&query, a, b, pose, 0.0)?,
-            query.collide_shapes(a, b, pose),
-        );
-        Ok(answer.into())
+        let pose = given(a_in_b, "a_in_b")?.checked()?;
+        Ok(Both::new(a, b)?.collide(&query(budget), &pose)?.into())
     })
 }
 
@@ -289,16 +319,8 @@ pub extern "C" fn simdop_within(
     answer: Option<&mut MaybeUninit<simdop_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let posed = Posed::new(a, b, a_in_b)?;
-        let (query, pose) = (query(budget), &posed.pose);
-        let answer = with_bodies!(
-            posed,
-            |a, b| query.within(&a, &b, pose, margin)?,
-            query.within_shape(a, &b, pose, margin)?,
-            reversed::within(&query, a, b, pose, margin)?,
-            query.within_shapes(a, b, pose, margin)?,
-        );
-        Ok(answer.into())
+        let pose = given(a_in_b, "a_in_b")?.checked()?;
+        Ok(Both::new(a, b)?.within(&query(budget), &pose, margin)?.into())
     })
 }
 
@@ -314,16 +336,117 @@ pub extern "C" fn simdop_distance(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_distance_answer>>,
 ) -> simdop_error {
+    simdop_distance_up_to(a, b, a_in_b, tolerance, f64::INFINITY, budget, answer)
+}
+
+/// Like simdop_distance(), but only up to `cutoff`, not negative, which may be infinite: bodies that are farther apart
+/// have the lower bound `cutoff` and an infinite upper bound. Much faster for the nearest of many bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_distance_up_to(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    tolerance: f64,
+    cutoff: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_distance_answer>>,
+) -> simdop_error {
     answered(answer, || {
-        let posed = Posed::new(a, b, a_in_b)?;
-        let (query, pose, cutoff) = (query(budget), &posed.pose, f64::INFINITY);
-        let answer = with_bodies!(
-            posed,
-            |a, b| query.distance(&a, &b, pose, tolerance)?,
-            query.distance_shape(a, &b, pose, tolerance, cutoff)?,
-            reversed::distance(&query, a, b, pose, tolerance)?,
-            query.distance_shapes(a, b, pose, tolerance, cutoff)?,
-        );
-        Ok(answer.into())
+        let pose = given(a_in_b, "a_in_b")?.checked()?;
+        Ok(Both::new(a, b)?.distance(&query(budget), &pose, tolerance, cutoff)?.into())
+    })
+}
+
+/// Like simdop_collide(), at each of `count` poses. `budget` is that of each pose, and `answers` has room for an answer
+/// of each. Without a budget and where touching bodies move little between the poses, a hint is faster: see
+/// simdop_collide_with_hint().
+///
+/// # Safety
+/// The arrays have these lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_collide_at_poses(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: *const simdop_pose,
+    count: usize,
+    budget: u64,
+    answers: *mut simdop_answer,
+) -> simdop_error {
+    guarded(|| {
+        let (both, query) = (Both::new(a, b)?, query(budget));
+        // SAFETY: the caller guarantees the length.
+        let poses = unsafe { items(a_in_b, count, "a_in_b") }?;
+        // SAFETY: as above.
+        let answers = unsafe { places(answers, count, "answers") }?;
+        for (i, (pose, answer)) in poses.iter().zip(answers).enumerate() {
+            let of = |failure: Failure| failure.of(&format!("pose {i}"));
+            let pose = pose.checked().map_err(|error| of(error.into()))?;
+            answer.write(both.collide(&query, &pose).map_err(of)?.into());
+        }
+        Ok(())
+    })
+}
+
+/// What a query found, for the next query of the same bodies at a nearby pose to test first: 6 to 9 times faster in
+/// contact. Starts as SIMDOP_NO_HINT. A hint never changes a verdict, wherever it comes from: it changes which pair an
+/// answer names, and the statistics.
+pub type simdop_hint = u64;
+
+/// Like simdop_collide(), with a hint, which is replaced by that for the next query.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_collide_with_hint(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    budget: u64,
+    hint: Option<&mut simdop_hint>,
+    answer: Option<&mut MaybeUninit<simdop_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, hint) = (given(a_in_b, "a_in_b")?.checked()?, given(hint, "hint")?);
+        let found = Both::new(a, b)?.collide(&query(budget).with_hint(Hint::from_bits(*hint)), &pose)?;
+        *hint = found.hint.to_bits();
+        Ok(found.into())
+    })
+}
+
+/// Like simdop_within(), with a hint, which is replaced by that for the next query.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_within_with_hint(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    margin: f64,
+    budget: u64,
+    hint: Option<&mut simdop_hint>,
+    answer: Option<&mut MaybeUninit<simdop_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, hint) = (given(a_in_b, "a_in_b")?.checked()?, given(hint, "hint")?);
+        let query = query(budget).with_hint(Hint::from_bits(*hint));
+        let found = Both::new(a, b)?.within(&query, &pose, margin)?;
+        *hint = found.hint.to_bits();
+        Ok(found.into())
+    })
+}
+
+/// Like simdop_distance_up_to(), with a hint, which is replaced by that for the next query.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_distance_with_hint(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    tolerance: f64,
+    cutoff: f64,
+    budget: u64,
+    hint: Option<&mut simdop_hint>,
+    answer: Option<&mut MaybeUninit<simdop_distance_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, hint) = (given(a_in_b, "a_in_b")?.checked()?, given(hint, "hint")?);
+        let query = query(budget).with_hint(Hint::from_bits(*hint));
+        let found = Both::new(a, b)?.distance(&query, &pose, tolerance, cutoff)?;
+        *hint = found.hint.to_bits();
+        Ok(found.into())
     })
 }

@@ -52,16 +52,17 @@ pub(crate) fn within<S: Storage>(
     })
 }
 
-/// [`Query::distance`].
+/// [`Query::distance_up_to`].
 pub(crate) fn distance<S: Storage>(
     query: &Query,
     tree: View<'_, S>,
     shape: &Shape,
     pose: &Pose,
     tolerance: f64,
+    cutoff: f64,
 ) -> Result<Distance, Failure> {
     in_scene(tree, shape, pose, |scene, id| {
-        let near = scene.clearance(query, tolerance, f64::INFINITY)?;
+        let near = scene.clearance(query, tolerance, cutoff)?;
         let witness = near.witness.map(|witness| {
             let (a, b) = if witness.hit.a == id { (witness.a, witness.b) } else { (witness.b, witness.a) };
             Witness { pair: pair(&witness.hit, id), a, b }

@@ -81,6 +81,16 @@ impl simdop_robot {
         Ok(Self { parts, links, poses })
     }
 
+    #[cfg(feature = "urdf")]
+    pub(crate) fn of(
+        base: Pose,
+        joints: Vec<Joint>,
+        bodies: Vec<LinkBody>,
+        limits: Vec<[f64; 2]>,
+    ) -> Result<Self, MotionError> {
+        Self::new(Parts { base, joints, bodies, limits })
+    }
+
     pub(crate) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
         self.parts.kinematics()
     }

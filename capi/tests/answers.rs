@@ -9,9 +9,10 @@ use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::query::{PrimitivePair, Query};
+use simdop::query::{Completion, Hint, PrimitivePair, Query};
 use simdop_capi::*;
-use std::ffi::c_int;
+use std::ffi::{c_int, c_void};
+use std::ops::ControlFlow;
 use support::answers::{assert_answers, assert_distances};
 use support::{
     BALL, Rng, Twice, answer, bytes, meshes_of, open, pose, shape_sets_of, shapes, shapes_as, solid,
@@ -42,7 +43,112 @@ fn compare<S: Storage, A: AsBvh<Node = Node16<18, S>>, B: AsBvh<Node = Node16<18
             assert_answers(&c, &query.within(&a.rust, &b.rust, &rust_pose, margin).unwrap());
             let c = answer(|answer| simdop_distance(ca, cb, c_pose, tolerance, budget, answer)).unwrap();
             assert_distances(&c, &query.distance(&a.rust, &b.rust, &rust_pose, tolerance).unwrap());
+            let cutoff = *rng.pick(&[0.1, 0.5, f64::INFINITY]);
+            let c = answer(|answer| simdop_distance_up_to(ca, cb, c_pose, tolerance, cutoff, budget, answer));
+            let rust = query.distance_up_to(&a.rust, &b.rust, &rust_pose, tolerance, cutoff).unwrap();
+            assert_distances(&c.unwrap(), &rust);
+
+            let mut expected = Vec::new();
+            let (completion, _) = query.for_each_pair(&a.rust, &b.rust, &rust_pose, |pair| {
+                expected.push(simdop_pair { a: pair.a, b: pair.b });
+                ControlFlow::Continue(())
+            });
+            let (found, came_to) = pairs(a.c, b.c, c_pose, budget, usize::MAX);
+            assert_eq!((found, came_to.completion), (expected.clone(), completion.into_c()));
+            if let [first, _, ..] = expected[..] {
+                let (found, came_to) = pairs(a.c, b.c, c_pose, budget, 1);
+                assert_eq!((found, came_to.completion), (vec![first], simdop_completion::Stopped));
+            }
+            compare_with_hints((a, b), (c_pose.unwrap(), &rust_pose), &query, budget);
         }
+    }
+}
+
+trait IntoC {
+    fn into_c(self) -> simdop_completion;
+}
+
+impl IntoC for Completion {
+    fn into_c(self) -> simdop_completion {
+        match self {
+            Self::Complete => simdop_completion::Complete,
+            Self::Stopped => simdop_completion::Stopped,
+            Self::OutOfBudget => simdop_completion::OutOfBudget,
+        }
+    }
+}
+
+/// Up to `most` pairs of primitives.
+fn pairs(
+    a: &simdop_body,
+    b: &simdop_body,
+    pose: Option<&simdop_pose>,
+    budget: u64,
+    most: usize,
+) -> (Vec<simdop_pair>, simdop_pairs) {
+    unsafe extern "C" fn collect(user: *mut c_void, pair: *const simdop_pair) -> c_int {
+        // SAFETY: such a list is passed below.
+        let (list, most) = unsafe { &mut *user.cast::<(Vec<simdop_pair>, usize)>() };
+        // SAFETY: the library passes a valid pair.
+        list.push(unsafe { *pair });
+        c_int::from(list.len() == *most)
+    }
+    let mut found = (Vec::new(), most);
+    let user = (&raw mut found).cast();
+    // SAFETY: the list is what the callback expects.
+    let came_to = answer(|pairs| unsafe {
+        simdop_each_pair(Some(a), Some(b), pose, budget, Some(collect), user, pairs)
+    });
+    (found.0, came_to.unwrap())
+}
+
+/// Asks twice with hints, the second time with what the first one found.
+fn compare_with_hints<S: Storage, A: AsBvh<Node = Node16<18, S>>, B: AsBvh<Node = Node16<18, S>>>(
+    (a, b): (&Twice<A>, &Twice<B>),
+    (c_pose, pose): (&simdop_pose, &Pose),
+    query: &Query,
+    budget: u64,
+) where
+    A::Primitive: PrimitivePair<B::Primitive>,
+    B::Primitive: PrimitivePair<A::Primitive>,
+{
+    let (ca, cb, c_pose) = (Some(a.c), Some(b.c), Some(c_pose));
+    let (mut c_hints, mut hints) = ([SIMDOP_NO_HINT; 3], [Hint::NONE; 3]);
+    for _ in 0..2 {
+        let [collide, within, distance] = &mut c_hints;
+        let hinted = hints.map(|hint| query.with_hint(hint));
+        let c = answer(|to| simdop_collide_with_hint(ca, cb, c_pose, budget, Some(collide), to)).unwrap();
+        let rust = hinted[0].collide(&a.rust, &b.rust, pose);
+        assert_answers(&c, &rust);
+        hints[0] = rust.hint;
+        let c = answer(|to| simdop_within_with_hint(ca, cb, c_pose, 0.2, budget, Some(within), to)).unwrap();
+        let rust = hinted[1].within(&a.rust, &b.rust, pose, 0.2).unwrap();
+        assert_answers(&c, &rust);
+        hints[1] = rust.hint;
+        let infinite = f64::INFINITY;
+        let c =
+            answer(|to| simdop_distance_with_hint(ca, cb, c_pose, 0.0, infinite, budget, Some(distance), to));
+        let rust = hinted[2].distance(&a.rust, &b.rust, pose, 0.0).unwrap();
+        assert_distances(&c.unwrap(), &rust);
+        hints[2] = rust.hint;
+        assert_eq!(c_hints, hints.map(Hint::to_bits));
+    }
+}
+
+#[test]
+fn answers_at_many_poses_are_those_at_each() {
+    let mut rng = Rng::new(8);
+    let bodies = meshes_of::<Fixed>(&mut rng);
+    let poses: Vec<_> = (0..50).map(|_| pose(&mut rng).0).collect();
+    let (a, b) = (Some(bodies[0].c), Some(bodies[2].c));
+    let mut answers = Vec::with_capacity(50);
+    // SAFETY: there are 50 poses, and room for as many answers.
+    let error = unsafe { simdop_collide_at_poses(a, b, poses.as_ptr(), 50, 5, answers.as_mut_ptr()) };
+    assert_eq!(error, simdop_error::None);
+    // SAFETY: all were written.
+    unsafe { answers.set_len(50) };
+    for (pose, found) in poses.iter().zip(answers) {
+        assert_eq!(found, answer(|answer| simdop_collide(a, b, Some(pose), 5, answer)).unwrap());
     }
 }
 

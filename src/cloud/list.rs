@@ -2,6 +2,7 @@
 
 /// The range of a query's neighbours in the output buffer.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
+#[repr(C)]
 pub struct List {
     /// Index of the first neighbour.
     pub start: u32,

@@ -11,6 +11,7 @@ use core::ops::ControlFlow;
 
 /// A point of a cloud, and its distance from the query.
 #[derive(Copy, Clone, PartialEq, Debug)]
+#[repr(C)]
 pub struct Neighbour {
     /// Index of the point.
     pub index: u32,

@@ -1,12 +1,18 @@
 //! The error code of each error of the library.
 
 use super::{Failure, simdop_error};
-use simdop::construct::BuildError;
-use simdop::hierarchy::FormatError;
+use simdop::cloud::{CloudError, SearchError};
+use simdop::construct::{BuildError, CoverError};
+use simdop::hierarchy::{FormatError, VerifyError};
 use simdop::motion::MotionError;
+use simdop::packing::PackError;
+#[cfg(feature = "planning")]
+use simdop::planning::PlanningError;
 use simdop::pose::PoseError;
 use simdop::primitive::shape::ShapeError;
 use simdop::query::ToleranceError;
+#[cfg(feature = "urdf")]
+use simdop::robot::RobotError;
 use simdop::scene::SceneError;
 use std::fmt::Display;
 
@@ -111,6 +117,98 @@ impl Coded for MotionError {
     }
 }
 
+impl Coded for VerifyError {
+    fn code(&self) -> simdop_error {
+        simdop_error::BytesVolume
+    }
+}
+
+impl Coded for CloudError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::TooMany { .. } => simdop_error::TooLarge,
+            Self::Point { .. } => simdop_error::CloudPoint,
+            Self::BucketSize { .. } => simdop_error::CloudBucketSize,
+            Self::Positions { .. } => simdop_error::CloudPositions,
+            Self::Index { .. } => simdop_error::CloudIndex,
+            Self::Full => simdop_error::CloudFull,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for SearchError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Radius { .. } => simdop_error::SearchRadius,
+            Self::Query { .. } => simdop_error::SearchQuery,
+            Self::Length { .. } | Self::Buffer { .. } => simdop_error::Buffer,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for PackError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Empty => simdop_error::PackEmpty,
+            Self::Mesh(error) => error.code(),
+            Self::Open { .. } => simdop_error::BuildOpen,
+            Self::Flat => simdop_error::PackFlat,
+            Self::Cancelled => simdop_error::PackStopped,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for CoverError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Error { .. } => simdop_error::CoverError,
+            Self::TooMany => simdop_error::CoverTooMany,
+            Self::Mesh(error) => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+#[cfg(feature = "urdf")]
+impl Coded for RobotError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Format { .. } => simdop_error::DescriptionFormat,
+            Self::NoSuchLink { .. } => simdop_error::DescriptionNoSuchLink,
+            Self::UnknownLink { .. } | Self::UnknownMember { .. } => simdop_error::DescriptionNoSuchName,
+            Self::NoTree { .. } => simdop_error::DescriptionNoTree,
+            Self::Kind { .. } => simdop_error::DescriptionKind,
+            Self::Mimic { .. } => simdop_error::DescriptionMimic,
+            Self::Joint { error, .. } => error.code(),
+            Self::Pose { error, .. } => error.code(),
+            Self::Shape { error, .. } => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+#[cfg(feature = "planning")]
+impl Coded for PlanningError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Io { .. } => simdop_error::PlannerFile,
+            Self::Robot { error, .. } => error.code(),
+            Self::Mesh { .. } => simdop_error::PlannerMesh,
+            Self::Build { error, .. } => error.code(),
+            Self::Link { error, .. } => error.code(),
+            Self::NoLink { .. } => simdop_error::PlannerNoLink,
+            Self::NoGroup { .. } => simdop_error::PlannerNoGroup,
+            Self::IsRobot { .. } => simdop_error::PlannerIsRobot,
+            Self::Values { .. } => simdop_error::MotionLength,
+            Self::Scene(error) => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
 impl Coded for SceneError {
     fn code(&self) -> simdop_error {
         match self {
@@ -120,6 +218,7 @@ impl Coded for SceneError {
             Self::IsAttached { .. } => simdop_error::SceneIsAttached,
             Self::Cycle { .. } => simdop_error::SceneCycle,
             Self::NoPair { .. } => simdop_error::SceneNoPair,
+            Self::TwoClouds { .. } => simdop_error::SceneTwoClouds,
             Self::Motion { .. } => simdop_error::MotionBodies,
             Self::Path(error) => error.code(),
             Self::Tolerance(error) => error.code(),

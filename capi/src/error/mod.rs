@@ -64,6 +64,8 @@ pub enum simdop_error {
     BytesOtherStorage = 32,
     /// The tree of the caps in the bytes is invalid.
     BytesCaps = 33,
+    /// A volume of the tree does not contain a primitive below it, or a cap does not close the surface.
+    BytesVolume = 34,
 
     /// A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
     BuildVertex = 40,
@@ -96,11 +98,17 @@ pub enum simdop_error {
     ShapeNoSuchKind = 55,
     /// A body of one shape has no bytes: use simdop_body_build_shapes(), which builds a tree.
     ShapeNoBytes = 56,
+    /// For the pairs of a tree and one shape, the shape must be the first body.
+    ShapeOrder = 57,
 
     /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
     Tolerance = 60,
     /// The storage of a body differs from that of the other body, or of the bodies in the scene: build it again.
     OtherStorage = 61,
+    /// The bodies of a volume query are not both of spheres.
+    NotSpheres = 62,
+    /// A buffer of the caller is too small.
+    Buffer = 63,
 
     /// The body is not, or no longer, in the scene.
     SceneNoSuchBody = 70,
@@ -112,6 +120,8 @@ pub enum simdop_error {
     SceneCycle = 73,
     /// Both bodies of a pair are the same.
     SceneNoPair = 74,
+    /// Both bodies of a pair are clouds, which are not tested against each other.
+    SceneTwoClouds = 75,
 
     /// A motion's `go_to` stopped the query.
     MotionStopped = 80,
@@ -135,9 +145,64 @@ pub enum simdop_error {
     MotionOutOfLimits = 89,
     /// A joint's kind is not one of simdop_joint_kind.
     MotionNoSuchKind = 90,
+
+    /// A coordinate of a point is NaN or infinite.
+    CloudPoint = 100,
+    /// The size of a cloud's buckets is not from 1 to 16.
+    CloudBucketSize = 101,
+    /// There are fewer positions than a cloud has indices.
+    CloudPositions = 102,
+    /// An index is beyond a cloud's capacity, or has a point already, or has none.
+    CloudIndex = 103,
+    /// No bucket of a cloud near the point has room: rebuild it.
+    CloudFull = 104,
+
+    /// A radius of a search is negative, NaN or infinite.
+    SearchRadius = 110,
+    /// A coordinate of a query is NaN or infinite.
+    SearchQuery = 111,
+
+    /// A mesh to be packed has no triangle.
+    PackEmpty = 120,
+    /// A mesh to be packed encloses no volume.
+    PackFlat = 121,
+    /// A packing's callback stopped it.
+    PackStopped = 122,
+    /// The error of a cover is not finite, or not above 2^-36 of the largest coordinate.
+    CoverError = 123,
+    /// A cover would take too many pieces: its error is too small for the mesh.
+    CoverTooMany = 124,
+
+    /// A text is not a URDF or SRDF file in UTF-8.
+    DescriptionFormat = 130,
+    /// A joint of a description names a link that does not exist.
+    DescriptionNoSuchLink = 131,
+    /// The links of a description are not a tree.
+    DescriptionNoTree = 132,
+    /// A joint of a description has more than one degree of freedom.
+    DescriptionKind = 133,
+    /// A joint of a description mimics one that does not move by itself.
+    DescriptionMimic = 134,
+    /// A description has no variable or body of this index.
+    DescriptionIndex = 135,
+    /// A body of a description is a mesh file, which the caller reads.
+    DescriptionMesh = 136,
+    /// An SRDF file names a link, joint or group that the robot does not have.
+    DescriptionNoSuchName = 137,
+
+    /// A file cannot be read.
+    PlannerFile = 140,
+    /// A mesh file is invalid.
+    PlannerMesh = 141,
+    /// The robot has no link of this name with a body.
+    PlannerNoLink = 142,
+    /// The robot has no group of joints of this name.
+    PlannerNoGroup = 143,
+    /// A body of the robot was given where only an object can be.
+    PlannerIsRobot = 144,
 }
 
-const TEXTS: [(simdop_error, &CStr); 58] = [
+const TEXTS: [(simdop_error, &CStr); 88] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -166,6 +231,7 @@ const TEXTS: [(simdop_error, &CStr); 58] = [
     (simdop_error::BytesPart, c"what stands for a part of the tree's body cannot"),
     (simdop_error::BytesOtherStorage, c"the planes of the tree are neither fixed point nor half floats"),
     (simdop_error::BytesCaps, c"the tree of the caps is invalid"),
+    (simdop_error::BytesVolume, c"a volume of the tree does not contain what is below it"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or it extends beyond 2^300"),
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
@@ -181,16 +247,20 @@ const TEXTS: [(simdop_error, &CStr); 58] = [
     (simdop_error::ShapeNotPerpendicular, c"a pose skews a cuboid"),
     (simdop_error::ShapeNoSuchKind, c"a shape's kind is not one of simdop_shape_kind"),
     (simdop_error::ShapeNoBytes, c"a body of one shape has no bytes"),
+    (simdop_error::ShapeOrder, c"of a tree and one shape, the shape must be the first body"),
     (
         simdop_error::Tolerance,
         c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution is not positive",
     ),
     (simdop_error::OtherStorage, c"the storage of a body differs from that of another"),
+    (simdop_error::NotSpheres, c"the bodies of a volume query are not both of spheres"),
+    (simdop_error::Buffer, c"a buffer of the caller is too small"),
     (simdop_error::SceneNoSuchBody, c"the body is not, or no longer, in the scene"),
     (simdop_error::SceneRadius, c"a body's radius is negative, NaN or too large"),
     (simdop_error::SceneIsAttached, c"the body is attached to another"),
     (simdop_error::SceneCycle, c"a body would be attached to itself"),
     (simdop_error::SceneNoPair, c"both bodies of a pair are the same"),
+    (simdop_error::SceneTwoClouds, c"both bodies of a pair are clouds"),
     (simdop_error::MotionStopped, c"a motion's go_to stopped the query"),
     (simdop_error::MotionNoParts, c"the number of parts of a motion is 0"),
     (simdop_error::MotionBodies, c"a motion moves more or fewer bodies than were given"),
@@ -205,6 +275,34 @@ const TEXTS: [(simdop_error, &CStr); 58] = [
     (simdop_error::MotionLength, c"the number of values differs from the number of variables"),
     (simdop_error::MotionOutOfLimits, c"a value is outside the limits of its variable"),
     (simdop_error::MotionNoSuchKind, c"a joint's kind is not one of simdop_joint_kind"),
+    (simdop_error::CloudPoint, c"a coordinate of a point is not finite"),
+    (simdop_error::CloudBucketSize, c"the size of a cloud's buckets is not from 1 to 16"),
+    (simdop_error::CloudPositions, c"there are fewer positions than a cloud has indices"),
+    (simdop_error::CloudIndex, c"an index is beyond a cloud's capacity, has a point already, or has none"),
+    (simdop_error::CloudFull, c"no bucket of a cloud near the point has room"),
+    (simdop_error::SearchRadius, c"a radius of a search is negative or not finite"),
+    (simdop_error::SearchQuery, c"a coordinate of a query is not finite"),
+    (simdop_error::PackEmpty, c"a mesh to be packed has no triangle"),
+    (simdop_error::PackFlat, c"a mesh to be packed encloses no volume"),
+    (simdop_error::PackStopped, c"a packing's callback stopped it"),
+    (simdop_error::CoverError, c"the error of a cover is not finite, or too small"),
+    (simdop_error::CoverTooMany, c"a cover would take too many pieces"),
+    (simdop_error::DescriptionFormat, c"a text is not a URDF or SRDF file in UTF-8"),
+    (simdop_error::DescriptionNoSuchLink, c"a joint of a description names a link that does not exist"),
+    (simdop_error::DescriptionNoTree, c"the links of a description are not a tree"),
+    (simdop_error::DescriptionKind, c"a joint of a description has more than one degree of freedom"),
+    (simdop_error::DescriptionMimic, c"a joint of a description mimics one that does not move by itself"),
+    (simdop_error::DescriptionIndex, c"a description has no variable or body of this index"),
+    (simdop_error::DescriptionMesh, c"a body of a description is a mesh file"),
+    (
+        simdop_error::DescriptionNoSuchName,
+        c"an SRDF file names a link, joint or group that the robot does not have",
+    ),
+    (simdop_error::PlannerFile, c"a file cannot be read"),
+    (simdop_error::PlannerMesh, c"a mesh file is invalid"),
+    (simdop_error::PlannerNoLink, c"the robot has no link of this name with a body"),
+    (simdop_error::PlannerNoGroup, c"the robot has no group of joints of this name"),
+    (simdop_error::PlannerIsRobot, c"a body of the robot was given where only an object can be"),
 ];
 
 /// A short description of an error code, valid forever. If `code` is not an error code, the text says so.

@@ -1,5 +1,6 @@
 //! Motions: do bodies of a scene meet anywhere on the way?
 
+use super::states::StatesRoom;
 use super::{AnyScene, simdop_body_id, simdop_scene, simdop_scene_hit, with_scene};
 use crate::boundary::{answered, given, items};
 use crate::error::{Failure, simdop_error};
@@ -8,6 +9,7 @@ use crate::pose::simdop_pose;
 use crate::query::{query, simdop_query_stats};
 use crate::robot::simdop_robot;
 use simdop::motion::{JointMotion, LinkFrame, Screw, ScrewMotion};
+use simdop::node::Aabb16;
 use simdop::pose::Pose;
 use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 use std::mem::MaybeUninit;
@@ -85,6 +87,9 @@ pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
     poses: Vec<Pose>,
     waiting: Vec<MotionHit>,
+    /// Of many configurations.
+    states: Vec<Pose>,
+    boxes: Vec<Aabb16>,
     motion: MotionRoom,
 }
 
@@ -102,12 +107,25 @@ impl EdgeRoom {
     /// Resizes the memory for a motion of these bodies, and returns their ids, the memory of the query, and that of the
     /// motion.
     fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], MotionMemory<'_>, &mut MotionRoom) {
-        let Self { moving: ids, poses, waiting, motion } = self;
+        let Self { moving: ids, poses, waiting, motion, .. } = self;
         ids.clear();
         ids.extend(moving.iter().copied().map(BodyId::from_bits));
         poses.resize(2 * ids.len(), Pose::IDENTITY);
         waiting.resize(SIMDOP_EDGE_ROOM, MotionHit::EMPTY);
         (ids, MotionMemory { poses, waiting }, motion)
+    }
+
+    /// Resizes the memory for `lanes` configurations of these bodies. Also returns the links of a robot.
+    pub(super) fn lend_states(
+        &mut self,
+        moving: &[simdop_body_id],
+        lanes: usize,
+    ) -> (StatesRoom<'_>, &mut Vec<LinkFrame>) {
+        let Self { moving: ids, states, boxes, motion, .. } = self;
+        ids.clear();
+        ids.extend(moving.iter().copied().map(BodyId::from_bits));
+        states.resize(lanes * ids.len(), Pose::IDENTITY);
+        (StatesRoom { ids, poses: states, boxes }, &mut motion.links)
     }
 }
 

@@ -1,26 +1,31 @@
 //! Scenes: bodies in the world, by id.
 
 mod ask;
+mod classify;
 mod edge;
+mod states;
 
 pub use ask::{
     SIMDOP_NO_BODY, simdop_on_hit, simdop_scene_answer, simdop_scene_clearance,
     simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_each_hit, simdop_scene_hit,
     simdop_scene_hits, simdop_scene_within,
 };
+pub use classify::{simdop_pair_class, simdop_pair_report, simdop_scene_classify_pair};
 pub use edge::{
     SIMDOP_EDGE_ROOM, simdop_motion_answer, simdop_motion_verdict, simdop_scene_check_joint_motion,
     simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
 };
+pub use states::{simdop_scene_check_joint_states, simdop_scene_check_states, simdop_states_answer};
 
-use crate::body::{Node, View, simdop_body, simdop_storage};
-use crate::boundary::{given, guarded, make};
+use crate::body::{Node, simdop_body, simdop_storage};
+use crate::boundary::{answered, given, guarded, items, make};
+use crate::cloud::simdop_cloud;
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use crate::robot::simdop_robot;
 use edge::EdgeRoom;
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
-use simdop::scene::{Body, BodyId, Groups, Scene};
+use simdop::scene::{Body, BodyId, BodyTree, Groups, Scene};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
 
@@ -30,7 +35,7 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 /// A set of bodies at poses in the world.
 #[derive(Debug)]
 pub struct simdop_scene {
-    scene: AnyScene,
+    pub(crate) scene: AnyScene,
     /// Whether it was chosen, or a body was ever inserted: then the storage is that of the scene, since ids outlive
     /// their bodies.
     has_storage: bool,
@@ -39,7 +44,7 @@ pub struct simdop_scene {
 
 /// A scene of bodies of one storage.
 #[derive(Debug)]
-enum AnyScene {
+pub(crate) enum AnyScene {
     Fixed(Scene<'static, Node<Fixed>>),
     Half(Scene<'static, Node<Half>>),
 }
@@ -70,12 +75,13 @@ macro_rules! with_scene {
     };
 }
 
-use with_scene;
+pub(crate) use with_scene;
 
 // The header guarantees these properties.
 const _: () = {
     const fn shared_among_threads<T: Send + Sync>() {}
     shared_among_threads::<simdop_body>();
+    shared_among_threads::<simdop_cloud>();
     shared_among_threads::<simdop_scene>();
     shared_among_threads::<simdop_robot>();
 };
@@ -106,9 +112,12 @@ pub extern "C" fn simdop_role_default() -> simdop_role {
 }
 
 impl simdop_role {
-    fn body<S: Storage>(&self, view: View<'static, S>) -> Body<'static, Node<S>> {
+    pub(crate) fn body<S: Storage>(
+        &self,
+        tree: impl Into<BodyTree<'static, Node<S>>>,
+    ) -> Body<'static, Node<S>> {
         let groups = Groups { of: self.groups, against: self.against };
-        let body = Body::new(view).with_radius(self.radius).with_groups(groups);
+        let body = Body::new(tree).with_radius(self.radius).with_groups(groups);
         if self.is_fixed == 0 { body } else { body.fixed() }
     }
 }
@@ -121,7 +130,7 @@ macro_rules! change {
 }
 
 /// Creates an empty scene. It grows as bodies are inserted. The first body decides the storage of all bodies of the
-/// scene; if that is one shape, which has none, it is fixed point.
+/// scene; if that is one shape or a cloud, which has none, it is fixed point.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
@@ -185,6 +194,26 @@ pub extern "C" fn simdop_scene_insert(
     })
 }
 
+/// Inserts a cloud into a scene, as a body whose primitives are its points: they must not change until it is removed.
+/// Two clouds are never tested against each other. Otherwise like simdop_scene_insert().
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_insert_cloud(
+    scene: Option<&mut simdop_scene>,
+    cloud: Option<&'static simdop_cloud>,
+    role: Option<&simdop_role>,
+    world: Option<&simdop_pose>,
+    id: Option<&mut MaybeUninit<simdop_body_id>>,
+) -> simdop_error {
+    answered(id, || {
+        let simdop_scene { scene, has_storage, .. } = given(scene, "scene")?;
+        let (role, view) = (given(role, "role")?, given(cloud, "cloud")?.view());
+        let world = given(world, "world")?.checked()?;
+        let inserted = with_scene!(scene, |scene| scene.insert(role.body(view), &world))?;
+        *has_storage = true;
+        Ok(inserted.to_bits())
+    })
+}
+
 /// Removes a body from a scene. The bodies attached to it stay where they are, and are no longer attached.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_remove(scene: Option<&mut simdop_scene>, id: simdop_body_id) -> simdop_error {
@@ -201,6 +230,47 @@ pub extern "C" fn simdop_scene_place(
     guarded(|| {
         let (scene, world) = (given(scene, "scene")?, given(world, "world")?.checked()?);
         Ok(with_scene!(&mut scene.scene, |scene| scene.place(BodyId::from_bits(id), &world))?)
+    })
+}
+
+/// Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault
+/// are placed.
+///
+/// # Safety
+/// The arrays have this length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_scene_place_all(
+    scene: Option<&mut simdop_scene>,
+    ids: *const simdop_body_id,
+    worlds: *const simdop_pose,
+    count: usize,
+) -> simdop_error {
+    guarded(|| {
+        let scene = &mut given(scene, "scene")?.scene;
+        // SAFETY: the caller guarantees the length.
+        let ids = unsafe { items(ids, count, "ids") }?;
+        // SAFETY: as above.
+        let worlds = unsafe { items(worlds, count, "worlds") }?;
+        for (i, (id, world)) in ids.iter().zip(worlds).enumerate() {
+            let of = |failure: Failure| failure.of(&format!("body {i}"));
+            let world = world.checked().map_err(|error| of(error.into()))?;
+            with_scene!(&mut *scene, |scene| scene.place(BodyId::from_bits(*id), &world))
+                .map_err(|error| of(error.into()))?;
+        }
+        Ok(())
+    })
+}
+
+/// Writes the pose of a body in the world. That of an attached body has moved along with the other.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_world_pose(
+    scene: Option<&simdop_scene>,
+    id: simdop_body_id,
+    world: Option<&mut MaybeUninit<simdop_pose>>,
+) -> simdop_error {
+    answered(world, || {
+        let scene = &given(scene, "scene")?.scene;
+        Ok(with_scene!(scene, |scene| scene.world_pose(BodyId::from_bits(id)))?.into())
     })
 }
 
@@ -238,4 +308,20 @@ pub extern "C" fn simdop_scene_forbid_collision(
     b: simdop_body_id,
 ) -> simdop_error {
     change!(scene, |scene| scene.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b)))
+}
+
+/// Writes 1 to `is_asked` if the queries of the scene test a pair of bodies, and otherwise 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_is_asked(
+    scene: Option<&simdop_scene>,
+    a: simdop_body_id,
+    b: simdop_body_id,
+    is_asked: Option<&mut MaybeUninit<c_int>>,
+) -> simdop_error {
+    answered(is_asked, || {
+        let scene = &given(scene, "scene")?.scene;
+        let is_asked =
+            with_scene!(scene, |scene| scene.is_asked(BodyId::from_bits(a), BodyId::from_bits(b)))?;
+        Ok(is_asked.into())
+    })
 }
