@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Mesh = tuple[Floats, NDArray[np.int64]]
 Point = tuple[Fraction, Fraction, Fraction]
 
 
@@ -53,7 +54,7 @@ def triangles_meet(a: Floats, b: Floats) -> bool:
     return True
 
 
-def meeting_pairs(a: tuple[Floats, NDArray[np.int64]], b: tuple[Floats, NDArray[np.int64]], pose: Floats) -> set[tuple[int, int]]:
+def meeting_pairs(a: Mesh, b: Mesh, pose: Floats) -> set[tuple[int, int]]:
     """All pairs of triangles of two meshes that meet, with A at a pose."""
     corners_a, corners_b = moved(a[0], pose)[a[1]], b[0][b[1]]
     found = set()
@@ -104,7 +105,7 @@ def triangle_distance(a: Floats, b: Floats) -> float:
     return min(corners + edges)
 
 
-def mesh_distance(a: tuple[Floats, NDArray[np.int64]], b: tuple[Floats, NDArray[np.int64]], pose: Floats) -> float:
+def mesh_distance(a: Mesh, b: Mesh, pose: Floats) -> float:
     """The distance of two surfaces that do not meet."""
     corners_a, corners_b = moved(a[0], pose)[a[1]], b[0][b[1]]
     return min(triangle_distance(p, q) for p in corners_a for q in corners_b)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from shapes import at, box
 
 import simdop
+from shapes import at, box
 from simdop import Body
 
 VERTICES, FACES = box()

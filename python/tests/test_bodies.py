@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import at, ball, box, poses
 
 import simdop
+from shapes import at, ball, box, poses
 from simdop import Body
 
 SHAPES = {

@@ -7,9 +7,9 @@ from typing import Any
 import fcl as peer
 import numpy as np
 import pytest
-from shapes import ball, box, poses
 
 import simdop.fcl as fcl
+from shapes import ball, box, poses
 
 QUADS = [[0, 3, 2, 1], [4, 5, 6, 7], [4, 7, 3, 0], [5, 1, 2, 6], [4, 0, 1, 5], [7, 6, 2, 3]]
 CORNERS = [[-1, -1, -1], [-1, 1, -1], [-1, 1, 1], [-1, -1, 1], [1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]
@@ -103,7 +103,7 @@ def test_transforms_are_those_of_python_fcl(rng: np.random.Generator) -> None:
         assert fcl.Transform(q, pose[:3, 3]).getTranslation().tolist() == pose[:3, 3].tolist()
         assert fcl.Transform(mine).getRotation().tolist() == pose[:3, :3].tolist()
     for arguments in [(np.zeros(5),), (np.eye(3), np.zeros(4)), (1, 2, 3)]:
-        with pytest.raises(ValueError, match="Transform|Translation"):
+        with pytest.raises(ValueError, match=r"Transform|Translation"):
             fcl.Transform(*arguments)
 
 

@@ -6,11 +6,11 @@ import sys
 import threading
 
 import numpy as np
-import oracle
 import pytest
-from shapes import at, ball, box, poses
 
+import oracle
 import simdop
+from shapes import at, ball, box, poses
 from simdop import Body
 
 SMALL, UNEVEN = box(0.8, 0.9, 1.0), ball(1, 0.05)

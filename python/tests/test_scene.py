@@ -6,9 +6,9 @@ import threading
 
 import numpy as np
 import pytest
-from shapes import at, ball, box, poses
 
 import simdop
+from shapes import at, ball, box, poses
 from simdop import Body, Scene
 
 BODIES = [Body(*box(), solid=True), Body(*ball(1)), Body.sphere(0.4), Body.capsule(0.2, 0.8)]

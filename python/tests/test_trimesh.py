@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from shapes import at, poses
 
+from shapes import at, poses
 from simdop.trimesh import CollisionManager, scene_to_collision
 
 MESHES = {
@@ -47,7 +47,7 @@ def test_answers_are_those_of_trimesh(rng: np.random.Generator) -> None:
             if d > 0:
                 gap = np.linalg.norm(data.point(name) - data.point("__external"))
                 assert gap == pytest.approx(d)
-    assert 0 < hits
+    assert hits > 0
 
 
 def test_contacts_name_faces() -> None:

@@ -18,9 +18,9 @@ _TOLERANCE = 1e-9
 def depth(a: Support, b: Support) -> tuple[float, Floats, Floats]:
     """The least translation of A that separates two convex sets with a common point.
 
-    Returns its length, its direction, and a point of A that is deepest inside of B, by the expanding polytope algorithm:
-    the boundary of A - B is approached from inside. The length is that of a translation that does separate the two, and
-    exceeds the least one by at most 1e-9 of their size, or by what 200 steps leave of round sets.
+    Returns its length, its direction, and a point of A that is deepest inside of B, by the expanding polytope
+    algorithm: the boundary of A - B is approached from inside. The length is that of a translation that does separate
+    the two, and exceeds the least one by at most 1e-9 of their size, or by what 200 steps leave of round sets.
     """
 
     def difference(n: Floats) -> tuple[Floats, Floats]:

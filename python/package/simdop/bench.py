@@ -1,7 +1,7 @@
 """``python -m simdop.bench``: simdop beside the libraries that are installed, on the same bodies and poses.
 
-Each row is one library: microseconds a pose, called one by one and, where it takes arrays, in one call; and how many of
-its verdicts differ from simdop's, which are exact. Poses that are closer to contact than 1e-9 are left out of that count.
+Each row is one library: microseconds a pose, called one by one and, where it takes arrays, in one call; and how many
+of its answers differ from simdop's. Poses that are closer to contact than 1e-9 are left out of that count.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ def _uneven(rows: int) -> Mesh:
     u = np.pi * np.arange(1, rows) / rows
     v = 2 * np.pi * np.arange(rows) / rows
     radius = 1 + 0.15 * np.sin(5 * u)[:, None] * np.cos(4 * v)
-    ring = np.stack([np.sin(u)[:, None] * np.cos(v), np.sin(u)[:, None] * np.sin(v), np.cos(u)[:, None] + 0 * v], axis=2)
+    x, y, z = np.sin(u)[:, None] * np.cos(v), np.sin(u)[:, None] * np.sin(v), np.cos(u)[:, None] + 0 * v
+    ring = np.stack([x, y, z], axis=2)
     points = np.concatenate([[[0, 0, 1.0]], (ring * radius[:, :, None]).reshape(-1, 3), [[0, 0, -1.0]]])
     faces, last = [], len(points) - 1
 

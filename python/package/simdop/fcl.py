@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -102,7 +103,7 @@ class GJKSolverType:  # noqa: D101
     GST_LIBCCD, GST_INDEP = range(2)
 
 
-# ---- Requests and results ---------------------------------------------------------------------------------------------
+# ---- Requests and results ------------------------------------------------------------------------
 
 
 class Contact:
@@ -227,7 +228,7 @@ class DistanceData:
         self.done = False
 
 
-# ---- Transforms -------------------------------------------------------------------------------------------------------
+# ---- Transforms ----------------------------------------------------------------------------------
 
 
 def _from_quaternion(q: Floats) -> Floats:
@@ -313,7 +314,7 @@ class Transform(_Posed):
                 raise ValueError("Invalid input to Transform().")
 
 
-# ---- Geometries -------------------------------------------------------------------------------------------------------
+# ---- Geometries ----------------------------------------------------------------------------------
 
 
 class CollisionGeometry:
@@ -354,8 +355,7 @@ class CollisionGeometry:
 
     def _reach(self) -> float:
         """A bound of the points' distances from the origin."""
-        axes = np.vstack([np.eye(3), -np.eye(3)])
-        return math.sqrt(sum(max(float(n @ self._support(n)) ** 2, float(n @ self._support(-n)) ** 2) for n in axes[:3]))
+        return math.sqrt(sum(max(float(n @ self._support(n)), -float(n @ self._support(-n))) ** 2 for n in np.eye(3)))
 
 
 class TriangleP(CollisionGeometry):
@@ -534,7 +534,7 @@ class Convex(CollisionGeometry):
             if start >= len(flat) or start + flat[start] >= len(flat):
                 raise ValueError("there are fewer faces than num_faces")
             corners = flat[start + 1 : start + 1 + flat[start]]
-            triangles += [[corners[0], p, q] for p, q in zip(corners[1:-1], corners[2:], strict=True)]
+            triangles += [[corners[0], p, q] for p, q in pairwise(corners[1:])]
             start += 1 + flat[start]
         self._triangles = np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
@@ -674,7 +674,7 @@ class CollisionObject(_Posed):
         return rotation @ self._geometry._support(n @ rotation) + self._matrix[:3, 3]
 
 
-# ---- Queries ----------------------------------------------------------------------------------------------------------
+# ---- Queries -------------------------------------------------------------------------------------
 
 
 def _scene(objects: Iterable[CollisionObject]) -> tuple[Scene, dict[int, CollisionObject]]:

@@ -226,9 +226,7 @@ class CollisionManager:
         distance, names, data = self._min_distance(self._scene, other)
         return _returned(distance, None if names is None else names[0], data, return_name, return_data)
 
-    def min_distance_internal(
-        self, name: Any = None, return_names: bool = False, return_data: bool = False
-    ) -> Any:
+    def min_distance_internal(self, name: Any = None, return_names: bool = False, return_data: bool = False) -> Any:
         """The least distance of two meshes, or of that of a name from another; with their names, sorted, and points."""
         if name is None:
             distance, names, data = self._min_distance(self._scene, None)
