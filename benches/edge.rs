@@ -73,7 +73,7 @@ impl Panda {
     fn read(folder: &Path) -> Self {
         let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
         let robot = Robot::from_urdf(&text("panda.urdf"), LinkShapes::Collision).unwrap();
-        let pairs = robot.pairs(&DisabledPair::from_srdf(&text("panda.srdf")).unwrap());
+        let pairs = robot.pairs(&DisabledPair::from_srdf(&text("panda.srdf")).unwrap()).unwrap();
         let tree = |shape: &LinkShape| {
             let LinkShape::Mesh { file, .. } = shape else { panic!("a link of the Panda is a mesh") };
             let mesh = MeshData::obj(&folder.join(file));

@@ -173,7 +173,7 @@ fn length(path: &[Configuration]) -> f64 {
 
 fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     let robot = Robot::from_urdf(URDF, LinkShapes::Collision)?;
-    let asked = robot.pairs(&DisabledPair::from_srdf(SRDF)?);
+    let asked = robot.pairs(&DisabledPair::from_srdf(SRDF)?)?;
     let (mut scene, mut arm) = (Scene::new(), Vec::new());
     for (i, link) in robot.shapes.iter().enumerate() {
         let shape = link.shape().ok_or("the arm has no mesh files")?;

@@ -194,6 +194,8 @@ pub mod node;
 #[cfg(feature = "alloc")]
 pub mod packing;
 mod parallel;
+#[cfg(feature = "planning")]
+pub mod planning;
 pub mod pose;
 pub mod primitive;
 pub mod query;

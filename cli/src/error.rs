@@ -6,8 +6,7 @@ use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{FormatError, NodeType, VerifyError};
 use simdop::mesh_io::{FileError, Place};
 use simdop::packing::PackError;
-use simdop::robot::RobotError;
-use simdop::scene::SceneError;
+use simdop::planning::PlanningError;
 use std::path::PathBuf;
 
 #[derive(Debug)]
@@ -30,12 +29,8 @@ pub(crate) enum Error {
     PointCloud { name: String, error: CloudError },
     /// A range search in a cloud fails.
     Search { name: String, error: SearchError },
-    /// A description of a robot is invalid.
-    Robot { path: PathBuf, error: RobotError },
-    /// The shape of a link cannot be read or built.
-    Link { link: String, error: Box<Self> },
-    /// A robot cannot be placed or moved.
-    Scene { name: String, error: SceneError },
+    /// A robot cannot be loaded, placed or moved.
+    Planning(PlanningError),
     #[cfg(feature = "report")]
     /// All corners of a mesh coincide, so that it has no size to scale distances by.
     NoSize { name: String },
@@ -95,9 +90,7 @@ impl fmt::Display for Error {
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::PointCloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
-            Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::Link { link, error } => write!(f, "link {link}: {error}"),
-            Self::Scene { name, error } => write!(f, "{name}: {error}"),
+            Self::Planning(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::NoSize { name } => {
                 write!(f, "{name}: all corners are one point: there is no distance to measure by")

@@ -98,7 +98,10 @@ fn ascii(text: &str) -> Result<MeshData, FileError> {
                 }
             }
             _ => {
-                return Err(FileError::line(line, format!("{} stands where {expected} should", quote(&word))));
+                return Err(FileError::line(
+                    line,
+                    format!("{} stands where {expected} should", quote(&word)),
+                ));
             }
         }
     }

@@ -68,6 +68,10 @@ impl Joint {
         self.variable
     }
 
+    pub(super) const fn multiplier(&self) -> f64 {
+        self.multiplier
+    }
+
     pub(super) const fn kind(&self) -> JointKind {
         self.kind
     }

@@ -5,6 +5,7 @@
 //! nothing about the times between them.
 
 mod error;
+mod jacobian;
 mod joint_motion;
 mod joints;
 mod screw;

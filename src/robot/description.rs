@@ -1,5 +1,6 @@
 //! A robot, whatever file describes it.
 
+use super::error::RobotError;
 use super::shapes::LinkShape;
 use super::srdf::DisabledPair;
 use crate::motion::{Joint, Kinematics, LinkBody, MotionError};
@@ -23,6 +24,28 @@ pub struct Robot {
     pub shapes: Vec<LinkShape>,
     /// For each body, the name of its link in the description, which may be on a fixed joint.
     pub names: Vec<String>,
+    /// Whether each variable belongs to a continuous joint: values that differ by full turns are the same.
+    pub continuous: Vec<bool>,
+    /// All links of the description, with and without bodies.
+    pub links: Vec<Link>,
+}
+
+/// A link of a description.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Link {
+    /// Its name.
+    pub name: String,
+    /// The joint that moves it, which may be fixed, and the link that this joint is on. `None` for the root.
+    pub parent: Option<LinkParent>,
+}
+
+/// How a link is connected to its parent.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LinkParent {
+    /// The parent's index in [`Robot::links`].
+    pub link: usize,
+    /// The name of the joint.
+    pub joint: String,
 }
 
 impl Robot {
@@ -37,13 +60,26 @@ impl Robot {
     /// Pairs of bodies to test, by index: those whose relative pose depends on a joint and that `disabled` does not
     /// contain. In a scene, forbid these pairs to collide, and allow all others
     /// ([`Scene::forbid_collision`](crate::scene::Scene::forbid_collision)).
-    #[must_use]
-    pub fn pairs(&self, disabled: &[DisabledPair]) -> Vec<(usize, usize)> {
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`.
+    pub fn pairs(&self, disabled: &[DisabledPair]) -> Result<Vec<(usize, usize)>, RobotError> {
+        for DisabledPair { links, line, .. } in disabled {
+            for link in links {
+                self.link_named(link, *line)?;
+            }
+        }
         let is_asked = |&(i, j): &(usize, usize)| {
             let is_disabled = |pair: &DisabledPair| pair.is_of(&self.names[i], &self.names[j]);
             self.bodies[i].link != self.bodies[j].link && !disabled.iter().any(is_disabled)
         };
         let all = (0..self.bodies.len()).flat_map(|i| (i + 1..self.bodies.len()).map(move |j| (i, j)));
-        all.filter(is_asked).collect()
+        Ok(all.filter(is_asked).collect())
+    }
+
+    /// The index of a link in [`Robot::links`].
+    pub(super) fn link_named(&self, name: &str, line: u32) -> Result<usize, RobotError> {
+        let index = self.links.iter().position(|link| link.name == name);
+        index.ok_or_else(|| RobotError::UnknownLink { line, link: name.into() })
     }
 }

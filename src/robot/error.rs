@@ -15,6 +15,20 @@ pub enum RobotError {
         /// The parser's message.
         problem: String,
     },
+    /// An SRDF file names a link that the robot does not have.
+    UnknownLink {
+        /// The line of the file, counted from 1.
+        line: u32,
+        /// The link.
+        link: String,
+    },
+    /// An SRDF file names a joint that the robot does not have, or a group that is not defined before.
+    UnknownMember {
+        /// The line of the file, counted from 1.
+        line: u32,
+        /// The joint or group.
+        name: String,
+    },
     /// A joint names a link that does not exist.
     NoSuchLink {
         /// The joint.
@@ -66,6 +80,10 @@ impl fmt::Display for RobotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Format { problem } => write!(f, "not a robot's description: {problem}"),
+            Self::UnknownLink { line, link } => write!(f, "line {line}: the robot has no link {link}"),
+            Self::UnknownMember { line, name } => {
+                write!(f, "line {line}: there is no joint or group {name} of this name before this line")
+            }
             Self::NoSuchLink { joint, link } => {
                 write!(f, "joint {joint} names the link {link}, which there is not")
             }

@@ -1,6 +1,6 @@
 //! Converts the links and joints of a URDF file to moving joints.
 
-use super::description::Robot;
+use super::description::{Link, LinkParent, Robot};
 use super::error::RobotError;
 use super::shapes::{LinkShape, LinkShapes};
 use crate::motion::{Joint, JointKind, LinkBody, MotionError};
@@ -25,12 +25,15 @@ fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> {
         bodies: Vec::new(),
         shapes: Vec::new(),
         names: Vec::new(),
+        continuous: Vec::new(),
+        links: links(&urdf)?,
     };
     for joint in &urdf.joints {
         let is_variable = moves(joint)?.is_some() && joint.mimic.is_none();
         if is_variable {
             robot.variables.push(joint.name.clone());
             robot.limits.push(limits(joint));
+            robot.continuous.push(matches!(joint.joint_type, JointType::Continuous));
         }
     }
     let root = root(&urdf)?;
@@ -153,6 +156,18 @@ fn limits(joint: &urdf_rs::Joint) -> [f64; 2] {
         JointType::Continuous => [-2.0 * PI, 2.0 * PI],
         _ => [joint.limit.lower, joint.limit.upper],
     }
+}
+
+/// All links, each with its parent.
+fn links(urdf: &urdf_rs::Robot) -> Result<Vec<Link>, RobotError> {
+    let mut links: Vec<_> =
+        urdf.links.iter().map(|link| Link { name: link.name.clone(), parent: None }).collect();
+    for joint in &urdf.joints {
+        let link = link_of(urdf, joint, &joint.parent.link)?;
+        let child = link_of(urdf, joint, &joint.child.link)?;
+        links[child].parent = Some(LinkParent { link, joint: joint.name.clone() });
+    }
+    Ok(links)
 }
 
 /// The one link that is not the child of any joint.

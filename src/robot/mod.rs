@@ -5,12 +5,14 @@
 
 mod description;
 mod error;
+mod groups;
 mod links;
 mod shapes;
 mod srdf;
 
-pub use description::Robot;
+pub use description::{Link, LinkParent, Robot};
 pub use error::RobotError;
+pub use groups::JointGroup;
 pub use shapes::{LinkShape, LinkShapes};
 pub use srdf::DisabledPair;
 

@@ -49,7 +49,7 @@ mod memory;
 mod pairs;
 mod placement;
 
-pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
+pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
 #[cfg(feature = "alloc")]
 pub use body::SharedTree;
 pub use body::{Body, BodyId, BodyTree, Groups};
@@ -60,3 +60,5 @@ pub use classify_pair::{PairClass, PairReport};
 pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 pub use placement::Scene;
+#[cfg(feature = "planning")]
+pub(crate) use placement::check as check_pose;

@@ -227,6 +227,15 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
+    /// The body that a body is attached to.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`].
+    pub fn attached_to(&self, id: BodyId) -> Result<Option<BodyId>, SceneError> {
+        let parent = self.memory.slots[self.index(id)?].parent;
+        Ok(parent.map(|parent| self.id(parent.to as usize)))
+    }
+
     /// Detaches a body. It stays where it is. Does nothing if the body is not attached.
     ///
     /// # Errors
@@ -265,7 +274,7 @@ impl<'t, N: Dop> Scene<'t, N> {
 }
 
 /// Whether a scene accepts a world pose.
-pub(super) fn check(world: &Pose) -> Result<(), SceneError> {
+pub(crate) fn check(world: &Pose) -> Result<(), SceneError> {
     let near = |x: f64| x.abs() <= Scene::<()>::MAX_TRANSLATION;
     let [x, y, z] = world.translation();
     if !world.is_rotation(Scene::<()>::TOLERANCE) {

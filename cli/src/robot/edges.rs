@@ -1,12 +1,12 @@
 //! Does the robot meet anything on its way? Straight motions of problems, certified and sampled.
 
-use super::model::Model;
 use super::problems::Problem;
 use super::timing::{median, timed};
 use super::world::World;
 use crate::random::{Random, towards};
 use serde::Serialize;
-use simdop::scene::{MotionVerdict, SceneError};
+use simdop::planning::{PlanningError, RobotModel};
+use simdop::scene::MotionVerdict;
 use std::io::Write;
 
 /// Maximum length of random motions in the joints: a typical step of a planner's tree.
@@ -51,18 +51,18 @@ impl Edges {
     /// goals.
     pub(super) fn ask(
         &mut self,
-        model: &Model,
+        model: &RobotModel,
         problem: &Problem,
         count: usize,
-        world: &mut World<'_>,
+        world: &mut World,
         random: &mut Random,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), PlanningError> {
         for goal in &problem.goals {
             self.kinds[0].ask([&problem.start, goal], world)?;
         }
         let ends: Vec<_> = core::iter::once(&problem.start).chain(&problem.goals).collect();
         for from in ends.iter().cycle().take(count) {
-            let to = towards(from, &random.configuration(&model.robot.limits), LONGEST);
+            let to = towards(from, &random.configuration(&model.robot().limits), LONGEST);
             self.kinds[1].ask([from, &to], world)?;
         }
         Ok(())
@@ -90,7 +90,7 @@ impl Edges {
 }
 
 impl Outcomes {
-    fn ask(&mut self, ends: [&[f64]; 2], world: &mut World<'_>) -> Result<(), SceneError> {
+    fn ask(&mut self, ends: [&[f64]; 2], world: &mut World) -> Result<(), PlanningError> {
         let (certified, microseconds) = timed(|| world.edge(ends))?;
         self.certified.push(microseconds);
         let (sampled, microseconds) = timed(|| world.check_motion_discrete(ends))?;

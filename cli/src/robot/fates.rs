@@ -1,12 +1,14 @@
 //! Classifies which bodies of a robot can meet at all, for all values of its joints, and compares with its SRDF.
 
-use super::model::Model;
+use super::model::moving_pairs;
 use crate::progress;
 use serde::Serialize;
+use simdop::planning::{PlanningError, PlanningScene, RobotModel};
 use simdop::query::Query;
-use simdop::scene::{PairClass, PairReport, SceneError};
+use simdop::scene::{PairClass, PairReport};
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Values of the joints, by name.
@@ -57,14 +59,14 @@ const FATES: [(PairClass, &str); 4] = [
 ];
 
 pub(super) fn ask(
-    model: &Model,
-    query: &Query,
+    model: &Arc<RobotModel>,
+    query: Query,
     boxes: usize,
     quiet: bool,
-) -> Result<FatesReport, SceneError> {
-    let (mut scene, ids) = model.scene()?;
-    let robot = model.robot.kinematics()?;
-    let pairs = model.moving_pairs();
+) -> Result<FatesReport, PlanningError> {
+    let scene = PlanningScene::new(Arc::clone(model))?.with_query(query);
+    let mut workspace = scene.workspace();
+    let pairs = moving_pairs(model);
     let mut report = FatesReport {
         boxes_allowed: boxes,
         boxes: 0,
@@ -76,7 +78,8 @@ pub(super) fn ask(
     let bar = progress::bar(pairs.len(), "pairs", quiet);
     let start = Instant::now();
     for (i, j) in pairs {
-        let found = scene.classify_pair(query, &ids, robot, (ids[i], ids[j]), boxes)?;
+        let pair = (scene.links()[i], scene.links()[j]);
+        let found = scene.classify_pair(&mut workspace, pair, boxes)?;
         report.add(model, (i, j), &found);
         bar.inc(1);
     }
@@ -85,10 +88,10 @@ pub(super) fn ask(
 }
 
 impl FatesReport {
-    fn add(&mut self, model: &Model, (i, j): (usize, usize), found: &PairReport) {
+    fn add(&mut self, model: &RobotModel, (i, j): (usize, usize), found: &PairReport) {
         self.boxes += found.boxes;
-        let bodies = || [i, j].map(|body| model.names[body].clone());
-        let is_asked = model.asked.contains(&(i, j));
+        let bodies = || [i, j].map(|body| model.names()[body].clone());
+        let is_asked = model.pairs().contains(&(i, j));
         for ((fate, name), report) in FATES.iter().zip(&mut self.fates) {
             if *fate == found.fate {
                 *(if is_asked { &mut report.asked } else { &mut report.ruled_out }) += 1;
@@ -99,10 +102,12 @@ impl FatesReport {
         if is_asked {
             return;
         }
-        let links = [i, j].map(|body| model.robot.names[body].as_str());
-        let Some(entry) = model.disabled.iter().find(|entry| entry.is_of(links[0], links[1])) else { return };
+        let links = [i, j].map(|body| model.robot().names[body].as_str());
+        let Some(entry) = model.disabled().iter().find(|entry| entry.is_of(links[0], links[1])) else {
+            return;
+        };
         if let Some((meets, values)) = counterexample(&entry.reason, found) {
-            let at = model.robot.variables.iter().cloned().zip(values.iter().copied()).collect();
+            let at = model.robot().variables.iter().cloned().zip(values.iter().copied()).collect();
             self.refuted.push(Refuted { bodies: bodies(), reason: entry.reason.clone(), meets, at });
         }
     }

@@ -17,12 +17,14 @@ use crate::progress;
 use crate::random::Random;
 use edges::{EdgeReport, Edges};
 use fates::FatesReport;
-use model::Model;
+use model::moving_pairs;
 use problems::Problem;
 use serde::Serialize;
+use simdop::planning::{LinkGeometry, PlanningError, RobotModel};
 use simdop::query::Query;
-use simdop::scene::SceneError;
+
 use std::io::{BufWriter, Write};
+use std::sync::Arc;
 use validity::{Validity, ValidityReport};
 use world::World;
 
@@ -85,18 +87,19 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     if options.edges.is_some() && !with_problems {
         return Err(Error::Option { option: "--edges", problem: "edges are those of --problems".into() });
     }
-    let model = Model::read(options)?;
+    let model = model::read(options)?;
     let problems =
         if with_problems { Some(problems::read(options.problems.as_deref(), &model)?) } else { None };
-    let refused = |error| Error::Scene { name: model.robot.name.clone(), error };
     let query = Query::new(options.isa);
-    let problems =
-        problems.map(|problems| ask(&model, &problems, query, options)).transpose().map_err(refused)?;
+    let problems = problems
+        .map(|problems| ask(&model, &problems, query, options))
+        .transpose()
+        .map_err(Error::Planning)?;
     let pairs = options.pairs.or(is_built_in.then_some(BUILT_IN_BOXES));
     let pairs = pairs
-        .map(|boxes| fates::ask(&model, &query, boxes as usize, options.json))
+        .map(|boxes| fates::ask(&model, query, boxes as usize, options.json))
         .transpose()
-        .map_err(refused)?;
+        .map_err(Error::Planning)?;
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         isa: options.isa.name(),
@@ -108,11 +111,11 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 }
 
 fn ask(
-    model: &Model,
+    model: &Arc<RobotModel>,
     problems: &[Problem],
     query: Query,
     options: &Options,
-) -> Result<ProblemsReport, SceneError> {
+) -> Result<ProblemsReport, PlanningError> {
     let count = options.edges.unwrap_or(10) as usize;
     let (mut validity, mut edges, mut random) = (Validity::default(), Edges::default(), Random::new(1));
     let bar = progress::bar(problems.len(), "problems", options.json);
@@ -126,20 +129,20 @@ fn ask(
 }
 
 impl RobotReport {
-    fn of(model: &Model) -> Self {
-        let body = |(name, body): (&String, &model::Geometry)| {
-            let (triangles, bytes) = body.size();
+    fn of(model: &RobotModel) -> Self {
+        let body = |(name, body): (&String, &LinkGeometry)| {
+            let (triangles, bytes) = model::size(body);
             BodyReport {
                 name: name.clone(),
-                shape: body.kind(),
+                shape: model::kind(body),
                 triangles,
                 bytes,
-                caps: body.caps(),
-                widest_hole: body.hole(),
+                caps: model::caps(body),
+                widest_hole: model::hole(body),
             }
         };
-        let bodies: Vec<_> = model.names.iter().zip(&model.bodies).map(body).collect();
-        let robot = &model.robot;
+        let bodies: Vec<_> = model.names().iter().zip(model.bodies()).map(body).collect();
+        let robot = model.robot();
         let joint =
             |(name, limits): (&String, &[f64; 2])| JointReport { name: name.clone(), limits: *limits };
         let joints: Vec<_> = robot.variables.iter().zip(&robot.limits).map(joint).collect();
@@ -147,8 +150,8 @@ impl RobotReport {
             name: robot.name.clone(),
             joints_that_follow: robot.joints.len() - joints.len(),
             joints,
-            pairs_asked: model.asked.len(),
-            pairs_ruled_out: model.moving_pairs().len() - model.asked.len(),
+            pairs_asked: model.pairs().len(),
+            pairs_ruled_out: moving_pairs(model).len() - model.pairs().len(),
             bytes: bodies.iter().map(|body| body.bytes).sum(),
             bodies,
         }

@@ -1,11 +1,12 @@
 //! Planning problems, one JSON object per line, in the form of MotionBenchMaker's data sets.
 
-use super::model::Model;
+use super::model::has_joint;
 use crate::error::Error;
 use serde::Deserialize;
 use simdop::glam::{DQuat, DVec3};
 use simdop::mesh_io::FileError;
 use simdop::motion::MotionError;
+use simdop::planning::RobotModel;
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::primitive::shape::ShapeError;
@@ -69,7 +70,7 @@ impl Form {
 }
 
 /// The problems of a file; without one, the built-in ones.
-pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, Error> {
+pub(super) fn read(file: Option<&Path>, model: &RobotModel) -> Result<Vec<Problem>, Error> {
     let (path, text) = match file {
         Some(path) => (path, std::fs::read_to_string(path).map_err(Error::io(path))?),
         None => (Path::new("problems (built in)"), BUILT_IN.into()),
@@ -85,7 +86,7 @@ pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, E
     Ok(problems)
 }
 
-fn parse(line: &str, model: &Model) -> Result<Problem, String> {
+fn parse(line: &str, model: &RobotModel) -> Result<Problem, String> {
     let line: Line = serde_json::from_str(line).map_err(|error| {
         // serde_json counts lines within this object only: the caller reports the line of the file.
         let text = error.to_string();
@@ -102,7 +103,8 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
     };
     // Joints that the start does not name are at zero, or at the limit nearest to it; those that a goal does not name
     // are at the start's value.
-    let rest: Vec<f64> = model.robot.limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();
+    let rest: Vec<f64> =
+        model.robot().limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();
     let start = values(&line.start, &rest, model).map_err(|problem| format!("the start: {problem}"))?;
     let goal = |(i, goal)| {
         values(goal, &start, model).map_err(|problem| format!("goal {i}, counted from 0: {problem}"))
@@ -116,19 +118,19 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
 
 /// A value for each variable: the named one, otherwise that of `rest`. Fixed joints and those that mimic another may be
 /// named.
-fn values(named: &Values, rest: &[f64], model: &Model) -> Result<Vec<f64>, String> {
+fn values(named: &Values, rest: &[f64], model: &RobotModel) -> Result<Vec<f64>, String> {
     let mut values = rest.to_vec();
     for (name, value) in named {
-        if let Some(variable) = model.robot.variables.iter().position(|variable| variable == name) {
+        if let Some(variable) = model.robot().variables.iter().position(|variable| variable == name) {
             values[variable] = *value;
-        } else if !model.joints.contains(name) {
+        } else if !has_joint(model, name) {
             return Err(format!("the robot has no joint {name}"));
         }
     }
-    let check = model.robot.kinematics().and_then(|robot| robot.check(&values));
+    let check = model.robot().kinematics().and_then(|robot| robot.check(&values));
     check.map(|()| values).map_err(|error| match error {
         MotionError::OutOfLimits { variable, given } => {
-            let ([low, high], name) = (model.robot.limits[variable], &model.robot.variables[variable]);
+            let ([low, high], name) = (model.robot().limits[variable], &model.robot().variables[variable]);
             format!("{name} is {given}, and its limits are {low} and {high}")
         }
         other => other.to_string(),

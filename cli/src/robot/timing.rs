@@ -1,10 +1,10 @@
 //! Times of answers, and their averages.
 
-use simdop::scene::SceneError;
+use simdop::planning::PlanningError;
 use std::time::Instant;
 
 /// An answer, which is the same every time, and the shortest of three times that it took, in microseconds.
-pub(super) fn timed<R>(mut ask: impl FnMut() -> Result<R, SceneError>) -> Result<(R, f64), SceneError> {
+pub(super) fn timed<R>(mut ask: impl FnMut() -> Result<R, PlanningError>) -> Result<(R, f64), PlanningError> {
     let mut once = || {
         let start = Instant::now();
         ask().map(|answer| (answer, start.elapsed().as_secs_f64() * 1e6))

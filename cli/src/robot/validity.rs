@@ -1,12 +1,11 @@
 //! Is a configuration valid? Starts, goals and random configurations of problems.
 
-use super::model::Model;
 use super::problems::Problem;
 use super::timing::{mean, median, timed};
 use super::world::World;
 use crate::random::Random;
 use serde::Serialize;
-use simdop::scene::SceneError;
+use simdop::planning::{PlanningError, RobotModel};
 use std::collections::BTreeMap;
 use std::io::Write;
 
@@ -54,17 +53,17 @@ struct HitReport {
 impl Validity {
     pub(super) fn ask(
         &mut self,
-        model: &Model,
+        model: &RobotModel,
         problem: &Problem,
-        world: &mut World<'_>,
+        world: &mut World,
         random: &mut Random,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), PlanningError> {
         self.one(0, &problem.start, world)?;
         problem.goals.iter().try_for_each(|goal| self.one(1, goal, world))?;
-        (0..RANDOM).try_for_each(|_| self.one(2, &random.configuration(&model.robot.limits), world))
+        (0..RANDOM).try_for_each(|_| self.one(2, &random.configuration(&model.robot().limits), world))
     }
 
-    fn one(&mut self, kind: usize, values: &[f64], world: &mut World<'_>) -> Result<(), SceneError> {
+    fn one(&mut self, kind: usize, values: &[f64], world: &mut World) -> Result<(), PlanningError> {
         let (hit, microseconds) = timed(|| world.hit_at(values))?;
         let kind = &mut self.kinds[kind];
         kind.microseconds.push(microseconds);

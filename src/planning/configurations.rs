@@ -1,0 +1,131 @@
+//! Queries of configurations.
+
+use super::error::PlanningError;
+use super::scene::PlanningScene;
+use super::workspace::Workspace;
+use crate::scene::{SceneAnswer, SceneHit};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::ControlFlow;
+
+/// Configurations of a job of [`PlanningScene::free`].
+const JOB: usize = 64;
+
+impl PlanningScene {
+    /// Whether a configuration is certainly free: no two tested bodies meet. Touching is meeting.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`] if there is not one value for each variable, or one is outside of its limits.
+    pub fn is_free(&self, workspace: &mut Workspace, values: &[f64]) -> Result<bool, PlanningError> {
+        Ok(self.collide(workspace, values)?.is_free())
+    }
+
+    /// Two bodies that meet in a configuration, if any do.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::is_free`].
+    pub fn collide(&self, workspace: &mut Workspace, values: &[f64]) -> Result<SceneAnswer, PlanningError> {
+        self.within(workspace, values, 0.0)
+    }
+
+    /// Two bodies that come within `margin` of each other in a configuration, if any do.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::is_free`]; the margin is negative, NaN or too large.
+    pub fn within(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        margin: f64,
+    ) -> Result<SceneAnswer, PlanningError> {
+        workspace.go_to(self, values)?;
+        Ok(workspace.scene.within(&self.query, margin)?)
+    }
+
+    /// All pairs of bodies that come within `margin` of each other in a configuration. Of each pair of bodies, one pair
+    /// of primitives.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::within`].
+    pub fn hits(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        margin: f64,
+    ) -> Result<Vec<SceneHit>, PlanningError> {
+        workspace.go_to(self, values)?;
+        let mut hits = Vec::new();
+        let _ = workspace.scene.for_each_hit(&self.query, margin, |hit| {
+            hits.push(hit);
+            ControlFlow::Continue(())
+        })?;
+        Ok(hits)
+    }
+
+    /// Which configurations are certainly free? Their values stand one after the other. Runs on several threads with
+    /// the feature `rayon`, with the same answers.
+    ///
+    /// # Errors
+    /// [`PlanningError::Values`] if the number of values is not a multiple of that of the variables; as
+    /// [`PlanningScene::is_free`].
+    pub fn free(&self, configurations: &[f64]) -> Result<Vec<bool>, PlanningError> {
+        self.on_threads(configurations, self.variables(), |workspace, values| self.is_free(workspace, values))
+    }
+
+    /// Evaluates many queries of `length` values each.
+    pub(super) fn on_threads(
+        &self,
+        values: &[f64],
+        length: usize,
+        query: impl Fn(&mut Workspace, &[f64]) -> Result<bool, PlanningError> + Sync,
+    ) -> Result<Vec<bool>, PlanningError> {
+        if length == 0 || !values.len().is_multiple_of(length) {
+            return Err(PlanningError::Values { given: values.len(), variables: length });
+        }
+        let mut free = vec![false; values.len() / length];
+        let mut errors: Vec<Option<PlanningError>> = Vec::new();
+        errors.resize_with(free.len().div_ceil(JOB), || None);
+        let jobs = free.chunks_mut(JOB).zip(values.chunks(JOB * length)).zip(&mut errors).collect();
+        crate::parallel::for_each(jobs, |workspace: &mut Option<Workspace>, ((free, values), error)| {
+            let workspace = workspace.get_or_insert_with(|| self.workspace());
+            for (free, values) in free.iter_mut().zip(values.chunks(length)) {
+                match query(workspace, values) {
+                    Ok(is_free) => *free = is_free,
+                    Err(found) => {
+                        *error = Some(found);
+                        return;
+                    }
+                }
+            }
+        });
+        match errors.into_iter().flatten().next() {
+            Some(error) => Err(error),
+            None => Ok(free),
+        }
+    }
+
+    /// A configuration within the limits, from numbers in 0 .. 1.
+    #[must_use]
+    pub fn random(&self, mut random: impl FnMut() -> f64) -> Vec<f64> {
+        self.limits().iter().map(|[low, high]| (low + (high - low) * random()).clamp(*low, *high)).collect()
+    }
+
+    /// A free configuration, from numbers in 0 .. 1. `None` after as many configurations that are not free as `tries`.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::is_free`].
+    pub fn random_free(
+        &self,
+        workspace: &mut Workspace,
+        mut random: impl FnMut() -> f64,
+        tries: usize,
+    ) -> Result<Option<Vec<f64>>, PlanningError> {
+        for _ in 0..tries {
+            let values = self.random(&mut random);
+            if self.is_free(workspace, &values)? {
+                return Ok(Some(values));
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,41 @@
+//! A robot among objects, queried by the values of its joints.
+//!
+//! ```no_run
+//! use simdop::planning::{PlanningScene, RobotFiles};
+//! use simdop::{Pose, primitive::Shape, scene::Body};
+//!
+//! let robot = RobotFiles::new("panda.urdf").srdf("panda.srdf").load()?;
+//! let mut scene = PlanningScene::new(robot)?;
+//! let table = Body::new(Shape::cuboid([1.0, 2.0, 0.1])?).fixed();
+//! scene.insert("table", table, &Pose::IDENTITY)?;
+//! let mut workspace = scene.workspace(); // one for each thread
+//! let [start, goal] = [[0.0; 7], [0.5; 7]];
+//! println!("{}", scene.is_free(&mut workspace, &start)?);
+//! println!("{:?}", scene.check_motion(&mut workspace, [&start, &goal])?.verdict); // at all times
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`RobotFiles`] reads a robot. A [`PlanningScene`] owns it, the objects around it, and nothing of a query: copies are
+//! cheap, since trees are shared, and any number of threads query one scene, each with a [`Workspace`]. Everything is
+//! decided by a [`Scene`](crate::Scene), whose guarantees hold. Without heap, use that.
+
+mod clearance;
+mod configurations;
+mod error;
+mod files;
+mod geometry;
+mod model;
+mod motions;
+mod pairs;
+mod scene;
+mod workspace;
+
+pub use error::PlanningError;
+pub use files::{RobotFiles, located};
+pub use geometry::LinkGeometry;
+pub use model::RobotModel;
+pub use scene::PlanningScene;
+pub use workspace::Workspace;
+
+/// The node type of all trees.
+pub type Node = crate::node::Node16<18>;

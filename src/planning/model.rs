@@ -1,0 +1,83 @@
+//! A robot with its bodies, and the pairs of them that are tested.
+
+use super::geometry::LinkGeometry;
+use crate::robot::{DisabledPair, JointGroup, Robot, RobotError};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A robot with the geometry of its bodies. Scenes share it.
+#[derive(Clone, Debug)]
+pub struct RobotModel {
+    robot: Robot,
+    bodies: Vec<LinkGeometry>,
+    names: Vec<String>,
+    disabled: Vec<DisabledPair>,
+    pairs: Vec<(usize, usize)>,
+    groups: Vec<JointGroup>,
+}
+
+impl RobotModel {
+    /// From a description, the geometry of each of its bodies, and what an SRDF file adds.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`.
+    ///
+    /// # Panics
+    /// If there is not one geometry for each body of the robot.
+    pub fn new(
+        robot: Robot,
+        bodies: Vec<LinkGeometry>,
+        disabled: Vec<DisabledPair>,
+        groups: Vec<JointGroup>,
+    ) -> Result<Self, RobotError> {
+        assert_eq!(bodies.len(), robot.bodies.len(), "one geometry for each body of the robot");
+        let (names, pairs) = (numbered(&robot.names), robot.pairs(&disabled)?);
+        Ok(Self { robot, bodies, names, disabled, pairs, groups })
+    }
+
+    /// The description.
+    #[must_use]
+    pub const fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The geometry of each body.
+    #[must_use]
+    pub fn bodies(&self) -> &[LinkGeometry] {
+        &self.bodies
+    }
+
+    /// The names of the bodies: those of their links, with a number for all but the first of a link.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The pairs that the SRDF file disables.
+    #[must_use]
+    pub fn disabled(&self) -> &[DisabledPair] {
+        &self.disabled
+    }
+
+    /// The pairs of bodies that are tested, by index.
+    #[must_use]
+    pub fn pairs(&self) -> &[(usize, usize)] {
+        &self.pairs
+    }
+
+    /// The groups of joints of the SRDF file.
+    #[must_use]
+    pub fn groups(&self) -> &[JointGroup] {
+        &self.groups
+    }
+}
+
+fn numbered(links: &[String]) -> Vec<String> {
+    let name = |(i, link): (usize, &String)| match links[..i].iter().filter(|before| *before == link).count()
+    {
+        0 => link.clone(),
+        before => format!("{link} ({})", before + 1),
+    };
+    links.iter().enumerate().map(name).collect()
+}

@@ -1,0 +1,23 @@
+//! Classes of pairs of bodies.
+
+use super::error::PlanningError;
+use super::scene::PlanningScene;
+use super::workspace::Workspace;
+use crate::scene::{BodyId, PairReport};
+
+impl PlanningScene {
+    /// Whether two bodies meet at no, some or all values of all joints of the robot within their limits
+    /// ([`Scene::classify_pair`](crate::Scene::classify_pair)). Tests at most `boxes` boxes of values.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`]: there is no such body, both are the same, or both are clouds.
+    pub fn classify_pair(
+        &self,
+        workspace: &mut Workspace,
+        pair: (BodyId, BodyId),
+        boxes: usize,
+    ) -> Result<PairReport, PlanningError> {
+        workspace.serve(self);
+        Ok(workspace.scene.classify_pair(&self.query, &self.links, self.kinematics()?, pair, boxes)?)
+    }
+}

@@ -1,0 +1,328 @@
+//! A robot, what it stands among, and the group of joints that is planned for.
+
+use super::Node;
+use super::error::PlanningError;
+use super::model::RobotModel;
+use super::workspace::Workspace;
+use crate::isa::Isa;
+use crate::motion::{Kinematics, MotionError};
+use crate::pose::Pose;
+use crate::query::Query;
+use crate::scene::{Body, BodyId, Scene, SceneError};
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+use core::sync::atomic::{AtomicU64, Ordering};
+
+/// A robot among objects, queried by the values of its joints.
+///
+/// Copies share all trees. Queries take `&self` and a [`Workspace`] of the thread.
+#[derive(Clone, Debug)]
+pub struct PlanningScene {
+    pub(super) robot: Arc<RobotModel>,
+    pub(super) scene: Scene<'static, Node>,
+    /// The bodies of the robot, in its order.
+    pub(super) links: Vec<BodyId>,
+    objects: Vec<(BodyId, String)>,
+    /// The variables that are planned for.
+    pub(super) variables: Vec<usize>,
+    /// Limits of these.
+    limits: Vec<[f64; 2]>,
+    /// Values of all variables; those that are planned for do not matter.
+    pub(super) rest: Vec<f64>,
+    pub(super) base: Pose,
+    pub(super) query: Query,
+    pub(super) resolution: f64,
+    /// Two scenes with the same stamp are equal: a workspace of one serves the other.
+    pub(super) stamp: u64,
+}
+
+/// An angle within a full turn of 0 that differs from the given one by full turns.
+fn wrapped(angle: f64) -> f64 {
+    if angle.abs() <= TAU { angle } else { angle - TAU * libm::round(angle / TAU) }
+}
+
+/// A number that no scene has had before.
+fn stamp() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+impl PlanningScene {
+    /// The robot alone, with its base at the origin. All variables are planned for. Queries use the fastest instruction
+    /// set of this machine.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`] if the fields of the description were changed to invalid values.
+    pub fn new(robot: impl Into<Arc<RobotModel>>) -> Result<Self, PlanningError> {
+        let robot = robot.into();
+        robot.robot().kinematics()?;
+        let mut scene = Scene::new();
+        let bodies = robot.bodies().iter();
+        let links =
+            bodies.map(|body| scene.insert(body.body(), &Pose::IDENTITY)).collect::<Result<Vec<_>, _>>()?;
+        for i in 0..links.len() {
+            for j in i + 1..links.len() {
+                if robot.pairs().contains(&(i, j)) {
+                    scene.forbid_collision(links[i], links[j])?;
+                } else {
+                    scene.allow_collision(links[i], links[j])?;
+                }
+            }
+        }
+        let limits = robot.robot().limits.clone();
+        Ok(Self {
+            rest: limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect(),
+            variables: (0..limits.len()).collect(),
+            limits,
+            base: Pose::IDENTITY,
+            query: Query::new(Isa::detect()),
+            resolution: 1e-6,
+            objects: Vec::new(),
+            scene,
+            links,
+            robot,
+            stamp: stamp(),
+        })
+    }
+
+    /// With another query: an instruction set, or a budget.
+    #[must_use]
+    pub fn with_query(self, query: Query) -> Self {
+        Self { query, stamp: stamp(), ..self }
+    }
+
+    /// With another resolution of motions, 1e-6 by default: the length of the shortest interval of time that a motion is
+    /// split into ([`Scene::check_motion`]).
+    #[must_use]
+    pub fn with_resolution(self, resolution: f64) -> Self {
+        Self { resolution, stamp: stamp(), ..self }
+    }
+
+    /// Plans for a group of joints of the robot's SRDF file only. All other variables keep the values `rest`, which has
+    /// one for each variable of the robot.
+    ///
+    /// # Errors
+    /// [`PlanningError::NoGroup`]; [`PlanningError::Scene`] if a value of `rest` is outside of its limits.
+    pub fn select_group(&mut self, name: &str, rest: &[f64]) -> Result<(), PlanningError> {
+        self.robot.robot().kinematics()?.check(rest)?;
+        let group = self.robot.groups().iter().find(|group| group.name == name);
+        let group = group.ok_or_else(|| PlanningError::NoGroup { name: name.into() })?;
+        self.limits = group.variables.iter().map(|&variable| self.robot.robot().limits[variable]).collect();
+        self.variables.clone_from(&group.variables);
+        self.rest = rest.into();
+        self.stamp = stamp();
+        Ok(())
+    }
+
+    /// Places the robot's base in the world.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`] if a scene does not accept the pose.
+    pub fn place_base(&mut self, world: &Pose) -> Result<(), PlanningError> {
+        crate::scene::check_pose(world)?;
+        self.base = *world;
+        self.stamp = stamp();
+        Ok(())
+    }
+
+    /// Adds an object, such as a shape, a shared tree, or a shared cloud. Make it [fixed](Body::fixed) unless it will
+    /// be attached to the robot: two fixed bodies are not tested against each other. Bodies of the robot come first
+    /// ([`PlanningScene::link`]).
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`] if the pose or the body's radius is invalid.
+    pub fn insert(
+        &mut self,
+        name: impl Into<String>,
+        body: Body<'static, Node>,
+        world: &Pose,
+    ) -> Result<BodyId, PlanningError> {
+        let id = self.scene.insert(body, world)?;
+        self.objects.push((id, name.into()));
+        self.stamp = stamp();
+        Ok(id)
+    }
+
+    /// Moves an object, and everything attached to it.
+    ///
+    /// # Errors
+    /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object, it is attached, or the pose is
+    /// invalid.
+    pub fn place(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
+        self.check_object(object)?;
+        self.stamp = stamp();
+        Ok(self.scene.place(object, world)?)
+    }
+
+    /// Removes an object. What is attached to it stays where it is.
+    ///
+    /// # Errors
+    /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object.
+    pub fn remove(&mut self, object: BodyId) -> Result<Body<'static, Node>, PlanningError> {
+        self.check_object(object)?;
+        let body = self.scene.remove(object)?;
+        self.objects.retain(|(id, _)| *id != object);
+        self.stamp = stamp();
+        Ok(body)
+    }
+
+    /// Attaches an object to a link of the robot, as it stands while the joints have these values, of the variables that
+    /// are planned for. From then on it moves with the link, and may touch the links of `touched`, for which names of
+    /// bodies count too ([`RobotModel::names`]).
+    ///
+    /// # Errors
+    /// [`PlanningError`]: there is no such link or object, the object is attached already or part of the robot, or a
+    /// value is outside of its limits.
+    pub fn attach(
+        &mut self,
+        object: BodyId,
+        link: &str,
+        values: &[f64],
+        touched: &[&str],
+    ) -> Result<(), PlanningError> {
+        self.check_object(object)?;
+        let to = self.link(link)?;
+        let touched =
+            touched.iter().map(|name| self.links_named(name)).collect::<Result<Vec<_>, _>>()?.concat();
+        let mut workspace = self.workspace();
+        workspace.go_to(self, values)?;
+        for &id in &self.links {
+            self.scene.place(id, workspace.scene.world_pose(id)?)?;
+        }
+        self.scene.attach(object, to)?;
+        for id in touched {
+            self.scene.allow_collision(object, id)?;
+        }
+        self.stamp = stamp();
+        Ok(())
+    }
+
+    /// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links again.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::place`].
+    pub fn detach(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
+        self.check_object(object)?;
+        self.scene.detach(object)?;
+        self.stamp = stamp();
+        self.scene.place(object, world)?;
+        for &link in &self.links {
+            self.scene.forbid_collision(object, link)?;
+        }
+        Ok(())
+    }
+
+    /// Allows two bodies to meet: no query tests the pair.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`]: there is no such body, or both are the same.
+    pub fn allow_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
+        self.stamp = stamp();
+        Ok(self.scene.allow_collision(a, b)?)
+    }
+
+    /// Forbids two bodies to meet: all queries test the pair.
+    ///
+    /// # Errors
+    /// [`PlanningError::Scene`]: there is no such body, both are the same, or both are clouds.
+    pub fn forbid_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
+        self.stamp = stamp();
+        Ok(self.scene.forbid_collision(a, b)?)
+    }
+
+    fn check_object(&self, object: BodyId) -> Result<(), PlanningError> {
+        match self.links.iter().position(|link| *link == object) {
+            Some(body) => Err(PlanningError::IsRobot { name: self.robot.names()[body].clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// The bodies of a link, or the one body of this name.
+    fn links_named(&self, name: &str) -> Result<Vec<BodyId>, PlanningError> {
+        let names = self.robot.robot().names.iter().zip(self.robot.names());
+        let is_named = |(link, body): (&String, &String)| link == name || body == name;
+        let ids: Vec<_> =
+            names.zip(&self.links).filter(|(names, _)| is_named(*names)).map(|(_, id)| *id).collect();
+        if ids.is_empty() { Err(PlanningError::NoLink { name: name.into() }) } else { Ok(ids) }
+    }
+
+    /// The first body of a link of the robot, or the body of this name ([`RobotModel::names`]).
+    ///
+    /// # Errors
+    /// [`PlanningError::NoLink`].
+    pub fn link(&self, name: &str) -> Result<BodyId, PlanningError> {
+        Ok(self.links_named(name)?[0])
+    }
+
+    /// The bodies of the robot, in its order.
+    #[must_use]
+    pub fn links(&self) -> &[BodyId] {
+        &self.links
+    }
+
+    /// The objects, with their names, in the order of insertion.
+    #[must_use]
+    pub fn objects(&self) -> &[(BodyId, String)] {
+        &self.objects
+    }
+
+    /// The name of a body of the robot or of an object. Empty if there is no such body.
+    #[must_use]
+    pub fn name(&self, id: BodyId) -> &str {
+        let links = self.links.iter().zip(self.robot.names());
+        let objects = self.objects.iter().map(|(object, name)| (object, name));
+        links.chain(objects).find(|(body, _)| **body == id).map_or("", |(_, name)| name)
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Arc<RobotModel> {
+        &self.robot
+    }
+
+    /// The query that decides.
+    #[must_use]
+    pub const fn query(&self) -> &Query {
+        &self.query
+    }
+
+    /// The number of variables that are planned for: the length of a configuration.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// Lower and upper limits of the variables that are planned for.
+    #[must_use]
+    pub fn limits(&self) -> &[[f64; 2]] {
+        &self.limits
+    }
+
+    /// Memory for queries, one for each thread. It serves this scene, its copies, and all later states of them.
+    #[must_use]
+    pub fn workspace(&self) -> Workspace {
+        Workspace::new(self)
+    }
+
+    pub(super) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
+        Ok(self.robot.robot().kinematics()?.with_base(self.base))
+    }
+
+    /// Writes the values of all variables of the robot. Those of continuous joints may have any number of turns.
+    pub(super) fn complete(&self, values: &[f64], all: &mut Vec<f64>) -> Result<(), PlanningError> {
+        if values.len() != self.variables.len() {
+            let error = MotionError::Length { given: values.len(), needed: self.variables.len() };
+            return Err(SceneError::from(error).into());
+        }
+        all.clone_from(&self.rest);
+        for (&variable, value) in self.variables.iter().zip(values) {
+            all[variable] = match value {
+                angle if self.robot.robot().continuous[variable] => wrapped(*angle),
+                value => *value,
+            };
+        }
+        Ok(())
+    }
+}
