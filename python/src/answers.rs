@@ -120,13 +120,18 @@ impl PyDistance {
         if self.is_one {
             return Ok(self.found[0].upper);
         }
-        Err(pyo3::exceptions::PyTypeError::new_err("the distances at several poses are no float: see Distance.upper"))
+        Err(pyo3::exceptions::PyTypeError::new_err(
+            "the distances at several poses are no float: see Distance.upper",
+        ))
     }
 
     fn __repr__(&self) -> String {
         if self.is_one {
             let Found { lower, upper, a, b, pair } = self.found[0];
-            return format!("Distance({lower} ..= {upper}, from {a:?} to {b:?}, primitives {} and {})", pair[0], pair[1]);
+            return format!(
+                "Distance({lower} ..= {upper}, from {a:?} to {b:?}, primitives {} and {})",
+                pair[0], pair[1]
+            );
         }
         let least = self.found.iter().map(|found| found.upper).fold(f64::INFINITY, f64::min);
         format!("Distance(at {} poses, least {least})", self.found.len())
@@ -191,7 +196,9 @@ impl PyPenetration {
     fn __repr__(&self) -> String {
         if self.is_one {
             let Penetration { volume, direction, pairs, .. } = self.found[0];
-            return format!("Penetration(volume {volume}, direction {direction:?}, {pairs} pairs of spheres)");
+            return format!(
+                "Penetration(volume {volume}, direction {direction:?}, {pairs} pairs of spheres)"
+            );
         }
         let most = self.found.iter().map(|found| found.volume).fold(0.0, f64::max);
         format!("Penetration(at {} poses, greatest volume {most})", self.found.len())

@@ -5,7 +5,9 @@
 //! the array.
 
 use crate::error::{OrRaise, named, raise_as, raised};
-use numpy::{Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -81,6 +83,16 @@ pub(crate) fn vector(given: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>>
     Ok(array.as_slice()?.to_vec())
 }
 
+/// An array of N rows of `columns` numbers, copied.
+pub(crate) fn rows_of(given: &Bound<'_, PyAny>, columns: usize, name: &str) -> PyResult<Vec<Vec<f64>>> {
+    let array = in_rows::<f64>(given, name, "fiub")?;
+    check_rows(array.shape(), columns, name)?;
+    let numbers = array.as_slice()?;
+    // Rows without columns are rows, too.
+    let count = array.shape()[0];
+    Ok((0..count).map(|row| numbers[row * columns..(row + 1) * columns].to_vec()).collect())
+}
+
 /// K numbers.
 pub(crate) fn numbers<const K: usize>(given: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; K]> {
     let array = in_rows::<f64>(given, name, "fiub")?;
@@ -103,7 +115,9 @@ pub(crate) fn triangles(given: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u
     check_rows(array.shape(), 3, name)?;
     let index = |&i: &i64| {
         u32::try_from(i).map_err(|_| {
-            raise_as::<raised::ArrayError>(format!("{name} must be indices of vertices, from 0 to 2^32 - 1, not {i}"))
+            raise_as::<raised::ArrayError>(format!(
+                "{name} must be indices of vertices, from 0 to 2^32 - 1, not {i}"
+            ))
         })
     };
     let indices: Vec<u32> = array.as_slice()?.iter().map(index).collect::<PyResult<_>>()?;
@@ -126,7 +140,9 @@ pub(crate) fn poses(given: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<Po
         [_, 4, 4] => {
             let mut poses = Vec::with_capacity(matrices.len());
             for (i, matrix) in matrices.iter().enumerate() {
-                poses.push(pose_of(matrix).map_err(|error| named(given.py(), &error, &format!("{name}[{i}]")))?);
+                poses.push(
+                    pose_of(matrix).map_err(|error| named(given.py(), &error, &format!("{name}[{i}]")))?,
+                );
             }
             Ok(Poses::Many(poses))
         }
@@ -146,7 +162,10 @@ pub(crate) fn pose(given: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<Pos
 fn pose_of(matrix: &Matrix) -> PyResult<Pose> {
     let [x, y, z, last] = [0, 4, 8, 12].map(|i| [matrix[i], matrix[i + 1], matrix[i + 2], matrix[i + 3]]);
     if last != [0.0, 0.0, 0.0, 1.0] {
-        let message = format!("the last row of a pose must be 0 0 0 1, not {} {} {} {}", last[0], last[1], last[2], last[3]);
+        let message = format!(
+            "the last row of a pose must be 0 0 0 1, not {} {} {} {}",
+            last[0], last[1], last[2], last[3]
+        );
         return Err(raise_as::<raised::PoseError>(message));
     }
     Pose::from_rows([x, y, z]).or_raise()

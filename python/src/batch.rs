@@ -38,16 +38,27 @@ pub(crate) fn all<I: Sync, T: Send>(
     asked: usize,
     ask: &(impl Fn(&I) -> PyResult<T> + Sync),
 ) -> PyResult<Vec<T>> {
+    all_with(items, asked, &|| (), &|(), item| ask(item))
+}
+
+/// As `all`, with memory that each thread makes for itself.
+pub(crate) fn all_with<I: Sync, T: Send, M>(
+    items: &[I],
+    asked: usize,
+    memory: &(impl Fn() -> M + Sync),
+    ask: &(impl Fn(&mut M, &I) -> PyResult<T> + Sync),
+) -> PyResult<Vec<T>> {
+    let run = move |items: &[I]| {
+        let mut memory = memory();
+        items.iter().map(|item| ask(&mut memory, item)).collect::<PyResult<Vec<T>>>()
+    };
     let threads = threads(asked).min(items.len().div_ceil(LEAST_SHARE));
     if threads <= 1 {
-        return items.iter().map(ask).collect();
+        return run(items);
     }
     let share = items.len().div_ceil(threads);
     std::thread::scope(|scope| {
-        let shares: Vec<_> = items
-            .chunks(share)
-            .map(|items| scope.spawn(move || items.iter().map(ask).collect::<PyResult<Vec<T>>>()))
-            .collect();
+        let shares: Vec<_> = items.chunks(share).map(|items| scope.spawn(move || run(items))).collect();
         let mut results = Vec::with_capacity(items.len());
         for share in shares {
             results.extend(share.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?);

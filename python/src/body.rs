@@ -13,8 +13,8 @@ use simdop::Builder;
 use simdop::mesh_io;
 use simdop::packing::Packer;
 use simdop::primitive::Shape;
-use simdop::primitive::shape::{Core, depth, separation};
 use simdop::primitive::Sphere;
+use simdop::primitive::shape::{Core, depth, separation};
 use simdop::query::Pair;
 use simdop::scene::BodyTree;
 use std::path::PathBuf;
@@ -107,8 +107,9 @@ impl PyBody {
         let builder = builder(solid, caps, build)?;
         py.detach(|| {
             let bytes = std::fs::read(&path)?;
-            let has_magic =
-                [simdop::hierarchy::MAGIC, simdop::cloud::CLOUD_MAGIC].iter().any(|magic| bytes.starts_with(magic));
+            let has_magic = [simdop::hierarchy::MAGIC, simdop::cloud::CLOUD_MAGIC]
+                .iter()
+                .any(|magic| bytes.starts_with(magic));
             if has_magic {
                 return Geometry::from_bytes(&bytes);
             }
@@ -176,7 +177,10 @@ impl PyBody {
     #[pyo3(signature = (corners, *, radius = 0.0, at = None))]
     fn triangle(corners: &Bound<'_, PyAny>, radius: f64, at: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let corners: [[f64; 3]; 3] = rows(corners, "corners")?.try_into().map_err(|rows: Vec<_>| {
-            raise_as::<raised::ArrayError>(format!("corners must have the shape (3, 3), not ({}, 3)", rows.len()))
+            raise_as::<raised::ArrayError>(format!(
+                "corners must have the shape (3, 3), not ({}, 3)",
+                rows.len()
+            ))
         })?;
         shaped(Shape::new(Core::Triangle(corners), 0.0).or_raise(), radius, at)
     }
@@ -247,7 +251,8 @@ impl PyBody {
                         let Core::HalfSpace { normal, offset } = *shape.core() else {
                             unreachable!("all other shapes are bounded")
                         };
-                        let arguments = (array(py, normal.to_vec()), offset, shape.radius()).into_pyobject(py)?;
+                        let arguments =
+                            (array(py, normal.to_vec()), offset, shape.radius()).into_pyobject(py)?;
                         Ok((class.getattr("_half_space")?, arguments))
                     }
                 }
@@ -263,7 +268,8 @@ impl PyBody {
     #[staticmethod]
     fn _one_of(data: &[u8]) -> PyResult<Self> {
         let shapes = Geometry::from_bytes(data)?.shape_list("unpickling")?;
-        let shape = shapes.first().ok_or_else(|| raise_as::<raised::FormatError>("there is no shape".to_owned()))?;
+        let shape =
+            shapes.first().ok_or_else(|| raise_as::<raised::FormatError>("there is no shape".to_owned()))?;
         Ok(Geometry::Shape(*shape).into())
     }
 
@@ -479,7 +485,6 @@ impl PyBody {
             Answers::Many(found) => PyPenetration::new(found, false),
         })
     }
-
 }
 
 impl PyBody {

@@ -6,11 +6,10 @@ use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::{BuildError, CoverError, ShapeError};
 use simdop::hierarchy::FormatError;
 use simdop::mesh_io::FileError;
-use simdop::motion::MotionError;
 use simdop::packing::PackError;
+use simdop::planning::PlanningError;
 use simdop::pose::PoseError;
 use simdop::query::ToleranceError;
-use simdop::robot::RobotError;
 use simdop::scene::SceneError;
 
 /// The Python classes.
@@ -19,17 +18,36 @@ pub(crate) mod raised {
     use pyo3::exceptions::PyValueError;
 
     create_exception!(simdop, Error, PyValueError, "Base class of all exceptions of simdop.");
-    create_exception!(simdop, ArrayError, Error, "An array has the wrong shape, or an index is out of range.");
-    create_exception!(simdop, BodyError, Error, "Two bodies, or a body and an operation, do not go together.");
-    create_exception!(simdop, BuildError, Error, "A mesh, or a set of spheres or shapes, cannot become a body.");
+    create_exception!(
+        simdop,
+        ArrayError,
+        Error,
+        "An array has the wrong shape, or an index is out of range."
+    );
+    create_exception!(
+        simdop,
+        BodyError,
+        Error,
+        "Two bodies, or a body and an operation, do not go together."
+    );
+    create_exception!(
+        simdop,
+        BuildError,
+        Error,
+        "A mesh, or a set of spheres or shapes, cannot become a body."
+    );
     create_exception!(simdop, CloudError, Error, "Points, or a search among them, are invalid.");
     create_exception!(simdop, CoverError, Error, "A mesh cannot be covered with spheres.");
     create_exception!(simdop, FileError, Error, "The contents of a file are invalid.");
     create_exception!(simdop, FormatError, Error, "Bytes are not a body.");
-    create_exception!(simdop, MotionError, Error, "A motion or the values of joints are invalid.");
     create_exception!(simdop, PackError, Error, "A mesh cannot be packed with spheres.");
+    create_exception!(
+        simdop,
+        PlanningError,
+        Error,
+        "A robot cannot be loaded, or a planning scene rejects its input."
+    );
     create_exception!(simdop, PoseError, Error, "A matrix is not a pose.");
-    create_exception!(simdop, RobotError, Error, "A robot's description is invalid.");
     create_exception!(simdop, SceneError, Error, "A scene rejects its input.");
     create_exception!(simdop, ShapeError, Error, "The numbers of a shape are invalid.");
     create_exception!(simdop, ToleranceError, Error, "A margin, a tolerance or a cutoff is out of range.");
@@ -82,10 +100,9 @@ raise!(
     CoverError CoverError,
     FileError FileError,
     FormatError FormatError,
-    MotionError MotionError,
     PackError PackError,
+    PlanningError PlanningError,
     PoseError PoseError,
-    RobotError RobotError,
     SceneError SceneError,
     ShapeError ShapeError,
     ToleranceError ToleranceError,

@@ -9,6 +9,7 @@ mod body;
 mod error;
 mod geometry;
 mod pair;
+mod planning;
 mod scene;
 mod search;
 
@@ -24,6 +25,7 @@ fn _simdop(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<answers::PyPenetration>()?;
     module.add_class::<scene::PyScene>()?;
     module.add_class::<scene::PyClearance>()?;
+    module.add_class::<planning::PyPlanningScene>()?;
     module.add_class::<search::PyRangeSearch>()?;
     error::add_to(module)
 }

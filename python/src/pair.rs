@@ -126,7 +126,9 @@ fn in_scene<T>(
     ask: impl FnOnce(&Scene<'_, Node>, BodyId) -> Result<T, SceneError>,
 ) -> PyResult<T> {
     if let (BodyTree::PointCloud(_), BodyTree::PointCloud(_)) = (a, b) {
-        return Err(raise_as::<raised::BodyError>("two clouds cannot be tested against each other".to_owned()));
+        return Err(raise_as::<raised::BodyError>(
+            "two clouds cannot be tested against each other".to_owned(),
+        ));
     }
     let (mut slots, mut boxes, mut rows) = ([const { Slot::EMPTY }; 2], [Aabb16::EMPTY], [0; 2]);
     let memory = SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows };

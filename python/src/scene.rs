@@ -7,9 +7,9 @@ use crate::geometry::{Geometry, Node};
 use crate::pair::query;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use simdop::Pose;
 use simdop::query::Pair;
 use simdop::scene::{Body, BodyId, Groups, Scene};
-use simdop::Pose;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -40,18 +40,18 @@ struct Member {
 
 /// Two bodies that meet, by their numbers, and their primitives.
 #[derive(Copy, Clone, Debug)]
-struct Hit {
-    numbers: [u64; 2],
-    pair: Pair,
+pub(crate) struct Hit {
+    pub(crate) numbers: [u64; 2],
+    pub(crate) pair: Pair,
 }
 
 /// The least distance of two bodies.
 #[derive(Copy, Clone, Debug)]
-struct Nearest {
-    lower: f64,
-    upper: f64,
+pub(crate) struct Nearest {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
     /// The bodies, and their closest points in the world.
-    witness: Option<(Hit, [[f64; 3]; 2])>,
+    pub(crate) witness: Option<(Hit, [[f64; 3]; 2])>,
 }
 
 /// A query of a scene.
@@ -243,7 +243,12 @@ impl PyScene {
     /// The pairs of bodies that come within ``margin`` of each other, by their numbers, each once: a list of two-tuples.
     /// With ``other``, the second number is of the other scene.
     #[pyo3(signature = (margin = 0.0, *, other = None))]
-    fn pairs(&self, py: Python<'_>, margin: f64, other: Option<PyRef<'_, Self>>) -> PyResult<Vec<(u64, u64)>> {
+    fn pairs(
+        &self,
+        py: Python<'_>,
+        margin: f64,
+        other: Option<PyRef<'_, Self>>,
+    ) -> PyResult<Vec<(u64, u64)>> {
         let hits = self.hits(py, margin, usize::MAX, other.as_deref())?;
         Ok(hits.iter().map(|hit| (hit.numbers[0], hit.numbers[1])).collect())
     }
@@ -258,7 +263,7 @@ impl PyScene {
         other: Option<PyRef<'_, Self>>,
     ) -> PyResult<PyClearance> {
         match self.ask(py, Ask::Clearance { tolerance, cutoff }, other.as_deref())? {
-            Told::Nearest(nearest) => Ok(PyClearance(nearest)),
+            Told::Nearest(nearest) => Ok(PyClearance { nearest, gradient: None }),
             Told::Hits(_) => unreachable!("a distance was asked for"),
         }
     }
@@ -284,50 +289,62 @@ impl PyScene {
 /// The least distance of two bodies of a scene.
 #[pyclass(frozen, name = "Clearance", module = "simdop")]
 #[derive(Debug)]
-pub(crate) struct PyClearance(Nearest);
+pub(crate) struct PyClearance {
+    pub(crate) nearest: Nearest,
+    pub(crate) gradient: Option<Vec<f64>>,
+}
 
 #[pymethods]
 impl PyClearance {
     /// Lower bound, in the bodies' unit; the cutoff if no two bodies are nearer.
     #[getter]
     const fn lower(&self) -> f64 {
-        self.0.lower
+        self.nearest.lower
     }
 
     /// Upper bound: the distance of ``bodies``. Zero if and only if two meet; infinite without bodies.
     #[getter]
     const fn upper(&self) -> f64 {
-        self.0.upper
+        self.nearest.upper
     }
 
     /// The numbers of the two bodies, or None.
     #[getter]
     fn bodies(&self) -> Option<(u64, u64)> {
-        self.0.witness.map(|(hit, _)| (hit.numbers[0], hit.numbers[1]))
+        self.nearest.witness.map(|(hit, _)| (hit.numbers[0], hit.numbers[1]))
     }
 
     /// Their closest primitives, or None.
     #[getter]
     fn indices(&self) -> Option<(u32, u32)> {
-        self.0.witness.map(|(hit, _)| (hit.pair.a, hit.pair.b))
+        self.nearest.witness.map(|(hit, _)| (hit.pair.a, hit.pair.b))
     }
 
     /// Their closest points in the world, without the bodies' radii, or None.
     #[getter]
     #[expect(clippy::type_complexity, reason = "two arrays")]
     fn points<'py>(&self, py: Python<'py>) -> Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
-        self.0.witness.map(|(_, [a, b])| (array(py, a.to_vec()), array(py, b.to_vec())))
+        self.nearest.witness.map(|(_, [a, b])| (array(py, a.to_vec()), array(py, b.to_vec())))
+    }
+
+    /// In a planning scene, the derivative of the distance by each variable, (n,): zero without points, or if they
+    /// coincide. None in other scenes.
+    #[getter]
+    fn gradient<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.gradient.as_ref().map(|gradient| array(py, gradient.clone()))
     }
 
     /// The upper bound.
     const fn __float__(&self) -> f64 {
-        self.0.upper
+        self.nearest.upper
     }
 
     fn __repr__(&self) -> String {
-        let bounds = format!("{} ..= {}", self.0.lower, self.0.upper);
-        match self.0.witness {
-            Some((hit, _)) => format!("Clearance({bounds}, bodies {} and {})", hit.numbers[0], hit.numbers[1]),
+        let bounds = format!("{} ..= {}", self.nearest.lower, self.nearest.upper);
+        match self.nearest.witness {
+            Some((hit, _)) => {
+                format!("Clearance({bounds}, bodies {} and {})", hit.numbers[0], hit.numbers[1])
+            }
             None => format!("Clearance({bounds})"),
         }
     }

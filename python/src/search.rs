@@ -54,7 +54,8 @@ fn fill(cloud: &PointCloud, queries: Option<&[[f32; 3]]>, radius: f32) -> PyResu
     let mut result = search.fill(&view, &queries, radii, &mut lists, &mut indices);
     if let Err(SearchError::Buffer { need, .. }) = result {
         if need > u64::from(u32::MAX) {
-            let message = format!("there are {need} neighbours, more than 2^32 - 1: search fewer points at once");
+            let message =
+                format!("there are {need} neighbours, more than 2^32 - 1: search fewer points at once");
             return Err(raise_as::<raised::CloudError>(message));
         }
         indices = vec![0; need as usize];
