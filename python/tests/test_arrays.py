@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,7 @@ def strided(array: NDArray[Any]) -> NDArray[Any]:
     return table[::2]
 
 
-LAYOUTS = {
+LAYOUTS: dict[str, Callable[[Any], Any]] = {
     "fortran": np.asfortranarray,
     "reversed twice": lambda array: array[::-1].copy()[::-1],
     "strided": strided,

@@ -158,9 +158,12 @@ def test_covers_contain_the_mesh(rng: np.random.Generator) -> None:
 
 
 def test_numbers_of_shapes_are_checked() -> None:
-    for make in (lambda: Body.sphere(-1.0), lambda: Body.box([1, 0, 1]), lambda: Body.half_space([0, 0, 0])):
-        with pytest.raises(simdop.ShapeError):
-            make()
+    with pytest.raises(simdop.ShapeError):
+        Body.sphere(-1.0)
+    with pytest.raises(simdop.ShapeError):
+        Body.box([1, 0, 1])
+    with pytest.raises(simdop.ShapeError):
+        Body.half_space([0, 0, 0])
     with pytest.raises(simdop.ArrayError, match=r"\(3,\)"):
         Body.box([1, 2])
     with pytest.raises(simdop.ArrayError, match=r"\(3, 3\)"):

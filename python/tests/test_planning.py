@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import at
 
 import simdop
+from shapes import at
 from simdop import Body, PlanningScene
 
 LINK = '<collision><origin xyz="0.5 0 0"/><geometry><box size="0.9 0.1 0.1"/></geometry></collision>'

@@ -20,7 +20,7 @@ MESHES = {
 
 def managers(where: Any) -> list[Any]:
     """The same meshes in both managers."""
-    made = [CollisionManager(), trimesh.collision.CollisionManager()]
+    made: list[Any] = [CollisionManager(), trimesh.collision.CollisionManager()]
     for manager in made:
         for (name, mesh), pose in zip(MESHES.items(), where, strict=True):
             manager.add_object(name, mesh, pose)

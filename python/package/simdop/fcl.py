@@ -450,7 +450,8 @@ class Capsule(_Round):
         return Body.capsule(self.radius, self.lz)
 
     def _support(self, n: Floats) -> Floats:
-        return self.radius * n + np.array([0.0, 0.0, math.copysign(0.5 * self.lz, n[2])])
+        end: Floats = np.array([0.0, 0.0, math.copysign(0.5 * self.lz, n[2])])
+        return self.radius * n + end
 
 
 class Cone(_Round):
@@ -475,7 +476,8 @@ class Cylinder(_Round):
         return Body.cylinder(self.radius, self.lz)
 
     def _support(self, n: Floats) -> Floats:
-        return self._rim(n) + np.array([0.0, 0.0, math.copysign(0.5 * self.lz, n[2])])
+        end: Floats = np.array([0.0, 0.0, math.copysign(0.5 * self.lz, n[2])])
+        return self._rim(n) + end
 
 
 class Halfspace(CollisionGeometry):
@@ -593,7 +595,7 @@ class BVHModel(CollisionGeometry):
 
     def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
         """Add a triangle by its corners."""
-        return self.addSubModel([v1, v2, v3], [[0, 1, 2]])  # type: ignore[list-item]
+        return self.addSubModel(np.array([v1, v2, v3], float), [[0, 1, 2]])
 
     def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
         """Add vertices (n, 3), and triangles (m, 3) of their indices."""
@@ -720,7 +722,7 @@ def _contacts(o1: CollisionObject, o2: CollisionObject, most: int) -> list[Conta
     vertices, triangles = mesh._geometry._mesh()  # type: ignore[attr-defined]
     body, world = convex._geometry._body(), vertices @ mesh._matrix[:3, :3].T + mesh._matrix[:3, 3]
     inverse = _relative(CollisionObject(mesh._geometry), convex)
-    contacts = []
+    contacts: list[Contact] = []
     for index, corners in enumerate(world[triangles]):
         if len(contacts) == most:
             break
