@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// Bodies do not change, and any number of threads and scenes may use one. All bodies of a program have the same unit
 /// of length; coordinates range from 2^-250 to 2^300. A pose is a 4 x 4 matrix [R|t] that places body A in the frame of
 /// body B: ``a.collide(b, pose)``. Touching is meeting.
-#[pyclass(frozen, name = "Body", module = "simdop", weakref)]
+#[pyclass(frozen, name = "Body", module = "simdop", weakref, skip_from_py_object)]
 #[derive(Clone, Debug)]
 pub(crate) struct PyBody(pub(crate) Arc<Geometry>);
 

@@ -43,11 +43,11 @@ const USUAL_NEIGHBOURS: usize = 32;
 fn fill(cloud: &PointCloud, queries: Option<&[[f32; 3]]>, radius: f32) -> PyResult<(Vec<i64>, Vec<u32>)> {
     let (view, search) = (cloud.view(), search());
     let mut seats = vec![Seat::default(); queries.map_or(0, <[_]>::len)];
+    let count = queries.map_or(view.capacity(), <[_]>::len);
     let queries = match queries {
         Some(points) => search.seat(&view, points, &mut seats).or_raise()?,
         None => Queries::own(),
     };
-    let count = if seats.is_empty() { view.capacity() } else { seats.len() };
     let mut lists = vec![List::default(); count];
     let mut indices = vec![0; count * USUAL_NEIGHBOURS];
     let radii = Radii::Same(radius);
