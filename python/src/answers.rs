@@ -207,7 +207,7 @@ impl PyPenetration {
 
 /// Pairs of primitives of two bodies that meet, each with a point, a normal and a depth.
 #[pyclass(frozen, name = "Contacts", module = "simdop")]
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct PyContacts {
     pub(crate) pairs: Vec<Pair>,
     pub(crate) points: Vec<[f64; 3]>,

@@ -17,6 +17,7 @@ use simdop::primitive::Sphere;
 use simdop::primitive::shape::{Core, depth, separation};
 use simdop::query::Pair;
 use simdop::scene::BodyTree;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -81,7 +82,7 @@ impl PyBody {
     ///
     /// Raises
     /// ------
-    /// BuildError, ArrayError, TypeError
+    /// ``BuildError``, ``ArrayError``, ``TypeError``
     #[new]
     #[pyo3(signature = (vertices, triangles, *, solid = false, caps = None, build = "best"))]
     fn new(
@@ -244,7 +245,7 @@ impl PyBody {
                 // A shape's own text would have to be parsed: one in a tree has bytes.
                 match Geometry::shapes(&[*shape]) {
                     Ok(tree) => {
-                        let bytes = PyBytes::new(py, &tree.to_bytes().unwrap_or_default());
+                        let bytes = PyBytes::new(py, &tree.bytes().unwrap_or_default());
                         Ok((class.getattr("_one_of")?, PyTuple::new(py, [bytes])?))
                     }
                     Err(_) => {
@@ -258,7 +259,7 @@ impl PyBody {
                 }
             }
             tree => {
-                let bytes = PyBytes::new(py, &tree.to_bytes().unwrap_or_default());
+                let bytes = PyBytes::new(py, &tree.bytes().unwrap_or_default());
                 Ok((class.getattr("from_bytes")?, PyTuple::new(py, [bytes])?))
             }
         }
@@ -312,7 +313,7 @@ impl PyBody {
     /// Bytes of the tree; 0 for one shape.
     #[getter]
     fn nbytes(&self) -> usize {
-        self.0.to_bytes().map_or(0, |bytes| bytes.len())
+        self.0.bytes().map_or(0, |bytes| bytes.len())
     }
 
     /// The vertices that the triangles of a mesh use, (n, 3). Vertices with the same coordinates are one.
@@ -455,6 +456,9 @@ impl PyBody {
         let pose = self::pose(pose, "pose")?;
         py.detach(|| {
             let pairs = pair::contacts(&self.0.view(), &other.0.view(), &pose, limit.unwrap_or(usize::MAX))?;
+            if pairs.is_empty() {
+                return Ok(PyContacts::default());
+            }
             let (of_a, of_b) = (self.0.shape_list("contacts")?, other.0.shape_list("contacts")?);
             let mut contacts = PyContacts { pairs, points: vec![], normals: vec![], depths: vec![] };
             for &Pair { a, b } in &contacts.pairs {
@@ -488,8 +492,8 @@ impl PyBody {
 }
 
 impl PyBody {
-    fn tree_bytes(&self) -> PyResult<Vec<u8>> {
-        self.0.to_bytes().ok_or_else(|| {
+    fn tree_bytes(&self) -> PyResult<Cow<'_, [u8]>> {
+        self.0.bytes().ok_or_else(|| {
             let message = "the body is one shape, without a tree: Body.shapes() builds one".to_owned();
             raise_as::<raised::BodyError>(message)
         })

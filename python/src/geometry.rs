@@ -10,6 +10,7 @@ use simdop::node::Node16;
 use simdop::primitive::shape::Core;
 use simdop::primitive::{Kind, Primitive, Shape, Sphere, Triangles};
 use simdop::scene::{BodyTree, SharedTree};
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -65,13 +66,13 @@ impl Geometry {
     }
 
     /// The bytes of the tree. `None` for one shape, which has none.
-    pub(crate) fn to_bytes(&self) -> Option<Vec<u8>> {
+    pub(crate) fn bytes(&self) -> Option<Cow<'_, [u8]>> {
         match self {
             Self::Shape(_) => None,
-            Self::Tree(SharedTree::Mesh(tree)) => Some(tree.as_bytes().to_vec()),
-            Self::Tree(SharedTree::Spheres(tree)) => Some(tree.as_bytes().to_vec()),
-            Self::Tree(SharedTree::Shapes(tree)) => Some(tree.as_bytes().to_vec()),
-            Self::Tree(SharedTree::PointCloud(cloud)) => Some(cloud.view().to_bytes()),
+            Self::Tree(SharedTree::Mesh(tree)) => Some(tree.as_bytes().into()),
+            Self::Tree(SharedTree::Spheres(tree)) => Some(tree.as_bytes().into()),
+            Self::Tree(SharedTree::Shapes(tree)) => Some(tree.as_bytes().into()),
+            Self::Tree(SharedTree::PointCloud(cloud)) => Some(cloud.view().to_bytes().into()),
         }
     }
 

@@ -81,7 +81,7 @@ fn ask(scene: &Scene<'_, Node>, ask: Ask, number: impl Fn(BodyId) -> (bool, u64)
                 hits.push(hit(found.a, found.b, found.pair).1);
                 if hits.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             });
-            found.or_raise()?;
+            let _without_budget = found.or_raise()?;
             Ok(Told::Hits(hits))
         }
         Ask::Clearance { tolerance, cutoff } => {

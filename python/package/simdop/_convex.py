@@ -29,25 +29,35 @@ def depth(a: Support, b: Support) -> tuple[float, Floats, Floats]:
 
     starts = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], float)
     starts /= np.linalg.norm(starts, axis=1)[:, None]
-    points, of_a, best = [], [], (np.inf, starts[0])
+    points, of_a = [], []
+    reach, direction = np.inf, starts[0]
     for n in starts:
         w, p = difference(n)
         points.append(w)
         of_a.append(p)
-        best = min(best, (float(n @ w), n), key=lambda pair: pair[0])
+        if n @ w < reach:
+            reach, direction = float(n @ w), n
     size = float(np.ptp(np.array(points), axis=0).max()) or 1.0
     hull = _Hull(points, size)
     if not hull.faces:
-        return max(best[0], 0.0), -best[1], a(best[1])
+        return max(reach, 0.0), -direction, a(direction)
     for _ in range(_STEPS):
         face = min(hull.faces, key=lambda face: face.offset)
         w, p = difference(face.normal)
-        reach = float(face.normal @ w)
-        if reach < best[0]:
-            best = (reach, face.normal)
-        if best[0] - face.offset <= _TOLERANCE * size or not hull.add(w):
+        if face.normal @ w < reach:
+            reach, direction = float(face.normal @ w), face.normal
+        if reach - face.offset <= _TOLERANCE * size or not hull.add(w):
             break
-    return max(best[0], 0.0), -best[1], a(best[1])
+        of_a.append(p)
+    # The point of A - B nearest to the origin, in terms of the corners of its face, and so of points of A.
+    face = min(hull.faces, key=lambda face: face.offset)
+    corners = list(face.corners)
+    weights = np.linalg.lstsq(
+        np.vstack([np.array([hull.points[i] for i in corners]).T, np.ones(3)]),
+        np.append(face.offset * face.normal, 1.0),
+        rcond=None,
+    )[0].clip(0.0)
+    return max(reach, 0.0), -direction, weights @ np.array([of_a[i] for i in corners]) / weights.sum()
 
 
 class _Face:
