@@ -4,6 +4,7 @@ use crate::arrays::{array, single_rows};
 use crate::batch::all;
 use crate::error::{OrRaise, raise_as, raised};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use simdop::Isa;
 use simdop::cloud::{List, Neighbour, PointCloud, Queries, Radii, SearchError, Seat};
@@ -35,6 +36,15 @@ fn in_order(lists: &[List], found: &[u32]) -> (Vec<i64>, Vec<u32>) {
         offsets.push(indices.len() as i64);
     }
     (offsets, indices)
+}
+
+/// An array of a length that the user decides.
+fn filled<T: Clone>(length: usize, item: T) -> PyResult<Vec<T>> {
+    let mut items = Vec::new();
+    let no_room = |_| PyMemoryError::new_err(format!("there is no memory for {length} results"));
+    items.try_reserve_exact(length).map_err(no_room)?;
+    items.resize(length, item);
+    Ok(items)
 }
 
 /// Room for a first try.
@@ -141,11 +151,8 @@ impl PyRangeSearch {
                 Ok(found)
             })
         })?;
-        let cells = queries.len().checked_mul(k).filter(|cells| *cells <= isize::MAX as usize / 8);
-        let Some(cells) = cells else {
-            return Err(raise_as::<raised::ArrayError>(format!("k = {k} is too large")));
-        };
-        let (mut distances, mut indices) = (vec![f32::INFINITY; cells], vec![-1_i64; cells]);
+        let cells = queries.len().saturating_mul(k);
+        let (mut distances, mut indices) = (filled(cells, f32::INFINITY)?, filled(cells, -1_i64)?);
         for (row, neighbours) in found.iter().enumerate() {
             for (place, neighbour) in neighbours.iter().enumerate() {
                 distances[row * k + place] = neighbour.square.sqrt();
