@@ -48,7 +48,7 @@ def link_poses(q: np.ndarray) -> list[np.ndarray]:
 
 def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.random.Generator) -> None:
     planning = PlanningScene(*files)
-    post, box = Body.cylinder(0.2, 1.0), Body.box([0.9, 0.1, 0.1], at=at(0.5))
+    post, box = Body.cylinder(0.4, 1.0), Body.box([0.9, 0.1, 0.1], at=at(0.5))
     number = planning.add("post", post, at(1.2, 0.8))
     assert planning.objects == {"post": number}
     assert planning.links == ["upper", "lower"]
@@ -62,9 +62,9 @@ def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.r
         assert free[i] == (gap > 0.0)
         assert planning.is_free(q) == free[i]
         assert planning.is_free(q, margin=0.1) is (gap > 0.1)
-        assert bool(planning.hits(q)) is not free[i]
+        assert bool(planning.hits(q)) != free[i]
         assert float(planning.clearance(q)) == pytest.approx(gap, abs=1e-12)
-    assert 20 < free.sum() < 290
+    assert 20 < free.sum() < 280
     for threads in (0, 2, 5):
         assert (planning.free(many, threads=threads) == free).all()
 
