@@ -1,0 +1,62 @@
+"""Exact collision and distance queries between meshes, shapes, spheres and point clouds.
+
+A ``Body`` is a mesh, shapes, spheres or points, with the tree over them. A pose is a 4 x 4 matrix that places body A in
+the frame of body B; an array of n poses, (n, 4, 4), is answered in one call, without the interpreter's lock. ``Scene``
+holds many bodies at poses in the world, and ``RangeSearch`` finds neighbours among points.
+
+``simdop.trimesh`` replaces trimesh's ``CollisionManager``, and ``simdop.fcl`` the module of python-fcl.
+"""
+
+from ._simdop import (
+    ArrayError,
+    Body,
+    BodyError,
+    BuildError,
+    Clearance,
+    CloudError,
+    Contacts,
+    CoverError,
+    Distance,
+    Error,
+    FileError,
+    FormatError,
+    PackError,
+    Penetration,
+    PlanningError,
+    PlanningScene,
+    PoseError,
+    RangeSearch,
+    Scene,
+    SceneError,
+    ShapeError,
+    ToleranceError,
+    __version__,
+    isa,
+)
+
+__all__ = [
+    "ArrayError",
+    "Body",
+    "BodyError",
+    "BuildError",
+    "Clearance",
+    "CloudError",
+    "Contacts",
+    "CoverError",
+    "Distance",
+    "Error",
+    "FileError",
+    "FormatError",
+    "PackError",
+    "Penetration",
+    "PlanningError",
+    "PlanningScene",
+    "PoseError",
+    "RangeSearch",
+    "Scene",
+    "SceneError",
+    "ShapeError",
+    "ToleranceError",
+    "__version__",
+    "isa",
+]

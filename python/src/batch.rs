@@ -1,0 +1,68 @@
+//! One pose or many, on one thread or several, without the interpreter's lock.
+
+use crate::arrays::Poses;
+use pyo3::prelude::*;
+use simdop::Pose;
+
+/// What one pose or many give.
+pub(crate) enum Answers<T> {
+    One(T),
+    Many(Vec<T>),
+}
+
+/// Fewer poses are not worth a thread.
+const LEAST_SHARE: usize = 16;
+
+/// The number of threads that a user asks for: 0 stands for all cores.
+fn threads(asked: usize) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    if asked == 0 { cores() } else { asked }
+}
+
+/// The answer for each pose, in order; or the first error.
+pub(crate) fn each<T: Send>(
+    py: Python<'_>,
+    poses: &Poses,
+    asked: usize,
+    ask: impl Fn(&Pose) -> PyResult<T> + Sync,
+) -> PyResult<Answers<T>> {
+    match poses {
+        Poses::One(pose) => Ok(Answers::One(py.detach(|| ask(pose))?)),
+        Poses::Many(poses) => Ok(Answers::Many(py.detach(|| all(poses, asked, &ask))?)),
+    }
+}
+
+/// The results for all items, in order; or the first error.
+pub(crate) fn all<I: Sync, T: Send>(
+    items: &[I],
+    asked: usize,
+    ask: &(impl Fn(&I) -> PyResult<T> + Sync),
+) -> PyResult<Vec<T>> {
+    all_with(items, asked, &|| (), &|(), item| ask(item))
+}
+
+/// As `all`, with memory that each thread makes for itself.
+pub(crate) fn all_with<I: Sync, T: Send, M>(
+    items: &[I],
+    asked: usize,
+    memory: &(impl Fn() -> M + Sync),
+    ask: &(impl Fn(&mut M, &I) -> PyResult<T> + Sync),
+) -> PyResult<Vec<T>> {
+    let run = move |items: &[I]| {
+        let mut memory = memory();
+        items.iter().map(|item| ask(&mut memory, item)).collect::<PyResult<Vec<T>>>()
+    };
+    let threads = threads(asked).min(items.len().div_ceil(LEAST_SHARE));
+    if threads <= 1 {
+        return run(items);
+    }
+    let share = items.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        let shares: Vec<_> = items.chunks(share).map(|items| scope.spawn(move || run(items))).collect();
+        let mut results = Vec::with_capacity(items.len());
+        for share in shares {
+            results.extend(share.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?);
+        }
+        Ok(results)
+    })
+}

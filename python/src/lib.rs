@@ -1,0 +1,31 @@
+//! The Python interface of simdop: the module `simdop._simdop`, which `package/simdop` wraps.
+//!
+//! It converts arrays and errors, and decides nothing itself.
+
+mod answers;
+mod arrays;
+mod batch;
+mod body;
+mod error;
+mod geometry;
+mod pair;
+mod planning;
+mod scene;
+mod search;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _simdop(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("isa", simdop::Isa::detect().to_string())?;
+    module.add_class::<body::PyBody>()?;
+    module.add_class::<answers::PyContacts>()?;
+    module.add_class::<answers::PyDistance>()?;
+    module.add_class::<answers::PyPenetration>()?;
+    module.add_class::<scene::PyScene>()?;
+    module.add_class::<scene::PyClearance>()?;
+    module.add_class::<planning::PyPlanningScene>()?;
+    module.add_class::<search::PyRangeSearch>()?;
+    error::add_to(module)
+}

@@ -1,0 +1,353 @@
+//! `simdop.PlanningScene`.
+
+use crate::arrays::{array, pose, rows_of, table, vector};
+use crate::batch::all_with;
+use crate::body::PyBody;
+use crate::error::{OrRaise, raise_as, raised};
+use crate::scene::{Hit, Nearest, PyClearance};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use simdop::planning::{PlanningScene, RobotFiles, Workspace};
+use simdop::robot::LinkShapes;
+use simdop::scene::{Body, BodyId};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+
+/// A robot among objects, queried by the values of its joints.
+///
+/// ``urdf`` and ``srdf`` are files; the SRDF file has the pairs of links that are not tested, and groups of joints. With
+/// ``group`` only its joints are planned for, and the other variables keep the values of ``rest``, one for each variable
+/// of the robot. Meshes that are closed, or have no hole wider than ``cap``, are solids. A configuration is an array of
+/// values, (n,), one for each variable that is planned for, in radians and the robot's unit of length.
+///
+/// Free is certain: no two tested bodies meet, and along an edge at no time, up to intervals of ``resolution``, which
+/// count as not free where they cannot be decided.
+#[pyclass(frozen, name = "PlanningScene", module = "simdop", weakref)]
+#[derive(Debug)]
+pub(crate) struct PyPlanningScene {
+    scene: RwLock<PlanningScene>,
+    /// Memory of threads that are done.
+    idle: Mutex<Vec<Workspace>>,
+}
+
+/// The memory of one thread, which goes back when it is dropped.
+struct Borrowed<'s> {
+    owner: &'s PyPlanningScene,
+    workspace: Option<Workspace>,
+}
+
+impl Borrowed<'_> {
+    const fn get(&mut self) -> &mut Workspace {
+        match &mut self.workspace {
+            Some(workspace) => workspace,
+            None => unreachable!(),
+        }
+    }
+}
+
+impl Drop for Borrowed<'_> {
+    fn drop(&mut self) {
+        self.owner.idle().extend(self.workspace.take());
+    }
+}
+
+impl PyPlanningScene {
+    fn of(scene: PlanningScene) -> Self {
+        Self { scene: RwLock::new(scene), idle: Mutex::default() }
+    }
+
+    fn read(&self) -> RwLockReadGuard<'_, PlanningScene> {
+        self.scene.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn write(&self) -> RwLockWriteGuard<'_, PlanningScene> {
+        self.scene.write().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn idle(&self) -> std::sync::MutexGuard<'_, Vec<Workspace>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn workspace(&self, scene: &PlanningScene) -> Borrowed<'_> {
+        let idle = self.idle().pop();
+        Borrowed { owner: self, workspace: Some(idle.unwrap_or_else(|| scene.workspace())) }
+    }
+}
+
+#[pymethods]
+impl PyPlanningScene {
+    #[new]
+    #[pyo3(signature = (
+        urdf, srdf = None, *, group = None, rest = None, visual = false, cap = 0.0, base = None, resolution = 1e-6
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn new(
+        py: Python<'_>,
+        urdf: PathBuf,
+        srdf: Option<PathBuf>,
+        group: Option<&str>,
+        rest: Option<&Bound<'_, PyAny>>,
+        visual: bool,
+        cap: f64,
+        base: Option<&Bound<'_, PyAny>>,
+        resolution: f64,
+    ) -> PyResult<Self> {
+        let base = base.map(|base| pose(Some(base), "base")).transpose()?;
+        let rest = rest.map(|rest| vector(rest, "rest")).transpose()?;
+        if group.is_none() && rest.is_some() {
+            let message = "rest is for the variables outside of a group: give group, too".to_owned();
+            return Err(raise_as::<raised::PlanningError>(message));
+        }
+        py.detach(|| {
+            let shapes = if visual { LinkShapes::Visual } else { LinkShapes::Collision };
+            let files = RobotFiles::new(urdf).shapes(shapes).cap(cap);
+            let files = match srdf {
+                Some(srdf) => files.srdf(srdf),
+                None => files,
+            };
+            let mut scene =
+                PlanningScene::new(files.load().or_raise()?).or_raise()?.with_resolution(resolution);
+            if let Some(base) = base {
+                scene.place_base(&base).or_raise()?;
+            }
+            if let Some(group) = group {
+                let middle = scene.limits().iter().map(|[low, high]| 0.0_f64.clamp(*low, *high));
+                let rest = rest.unwrap_or_else(|| middle.collect());
+                scene.select_group(group, &rest).or_raise()?;
+            }
+            Ok(Self::of(scene))
+        })
+    }
+
+    /// Add an object at a pose in the world, and return its number. Two fixed bodies are not tested against each other;
+    /// one that will be attached must not be fixed.
+    #[pyo3(signature = (name, body, pose = None, *, radius = 0.0, fixed = true))]
+    fn add(
+        &self,
+        name: &str,
+        body: &PyBody,
+        pose: Option<&Bound<'_, PyAny>>,
+        radius: f64,
+        fixed: bool,
+    ) -> PyResult<u64> {
+        let world = self::pose(pose, "pose")?;
+        let new = Body::new(body.0.shared()).with_radius(radius);
+        let new = if fixed { new.fixed() } else { new };
+        Ok(self.write().insert(name, new, &world).or_raise()?.to_bits())
+    }
+
+    /// Remove an object.
+    fn remove(&self, number: u64) -> PyResult<()> {
+        self.write().remove(BodyId::from_bits(number)).or_raise().map(drop)
+    }
+
+    /// Place an object at another pose in the world.
+    #[pyo3(name = "move")]
+    fn place(&self, number: u64, pose: &Bound<'_, PyAny>) -> PyResult<()> {
+        let world = self::pose(Some(pose), "pose")?;
+        self.write().place(BodyId::from_bits(number), &world).or_raise()
+    }
+
+    /// Attach an object to a link, as it stands while the joints have these values. It moves with the link, and may
+    /// touch the links named in ``touched``.
+    #[pyo3(signature = (number, link, values, touched = vec![]))]
+    fn attach(
+        &self,
+        number: u64,
+        link: &str,
+        values: &Bound<'_, PyAny>,
+        touched: Vec<String>,
+    ) -> PyResult<()> {
+        let values = vector(values, "values")?;
+        let touched: Vec<_> = touched.iter().map(String::as_str).collect();
+        self.write().attach(BodyId::from_bits(number), link, &values, &touched).or_raise()
+    }
+
+    /// Detach an object, which stands at a pose in the world from then on.
+    fn detach(&self, number: u64, pose: &Bound<'_, PyAny>) -> PyResult<()> {
+        let world = self::pose(Some(pose), "pose")?;
+        self.write().detach(BodyId::from_bits(number), &world).or_raise()
+    }
+
+    /// No longer test two bodies against each other.
+    fn allow_collision(&self, a: u64, b: u64) -> PyResult<()> {
+        self.write().allow_collision(BodyId::from_bits(a), BodyId::from_bits(b)).or_raise()
+    }
+
+    /// Test two bodies against each other.
+    fn forbid_collision(&self, a: u64, b: u64) -> PyResult<()> {
+        self.write().forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b)).or_raise()
+    }
+
+    /// The number of the first body of a link.
+    fn link(&self, name: &str) -> PyResult<u64> {
+        Ok(self.read().link(name).or_raise()?.to_bits())
+    }
+
+    /// The name of a body; empty if there is none with this number.
+    fn name(&self, number: u64) -> String {
+        self.read().name(BodyId::from_bits(number)).to_owned()
+    }
+
+    /// A scene of its own, with the same robot and objects.
+    fn copy(&self) -> Self {
+        Self::of(self.read().clone())
+    }
+
+    /// Lower and upper limits of the variables that are planned for, (n, 2).
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.read().limits().to_vec())
+    }
+
+    /// The names of the robot's bodies: those of their links, with a number for all but the first of a link.
+    #[getter]
+    fn links(&self) -> Vec<String> {
+        self.read().robot().names().to_vec()
+    }
+
+    /// The numbers of the objects, by their names.
+    #[getter]
+    fn objects(&self) -> BTreeMap<String, u64> {
+        self.read().objects().iter().map(|(id, name)| (name.clone(), id.to_bits())).collect()
+    }
+
+    /// The names of the groups of joints of the SRDF file.
+    #[getter]
+    fn groups(&self) -> Vec<String> {
+        self.read().robot().groups().iter().map(|group| group.name.clone()).collect()
+    }
+
+    /// Number of variables that are planned for.
+    fn __len__(&self) -> usize {
+        self.read().variables()
+    }
+
+    // A scene is never false, even if its robot does not move.
+    fn __bool__(&self) -> bool {
+        true
+    }
+
+    /// Whether no two tested bodies come within ``margin`` of each other.
+    #[pyo3(signature = (values, *, margin = 0.0))]
+    fn is_free(&self, py: Python<'_>, values: &Bound<'_, PyAny>, margin: f64) -> PyResult<bool> {
+        let values = vector(values, "values")?;
+        py.detach(|| {
+            let scene = self.read();
+            Ok(scene.within(self.workspace(&scene).get(), &values, margin).or_raise()?.is_free())
+        })
+    }
+
+    /// Whether each of m configurations, (m, n), is free: an array of m booleans, computed on ``threads`` threads, 0 for
+    /// one per core.
+    #[pyo3(signature = (configurations, *, margin = 0.0, threads = 1))]
+    fn free<'py>(
+        &self,
+        py: Python<'py>,
+        configurations: &Bound<'py, PyAny>,
+        margin: f64,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let rows = rows_of(configurations, self.read().variables(), "configurations")?;
+        let free = py.detach(|| {
+            let scene = self.read();
+            all_with(&rows, threads, &|| self.workspace(&scene), &|workspace, values| {
+                Ok(scene.within(workspace.get(), values, margin).or_raise()?.is_free())
+            })
+        })?;
+        Ok(array(py, free))
+    }
+
+    /// Whether the straight motion from one configuration to another is free at all times.
+    fn edge_is_free(
+        &self,
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        end: &Bound<'_, PyAny>,
+    ) -> PyResult<bool> {
+        let (start, end) = (vector(start, "start")?, vector(end, "end")?);
+        py.detach(|| {
+            let scene = self.read();
+            Ok(scene.check_motion(self.workspace(&scene).get(), [&start, &end]).or_raise()?.is_free())
+        })
+    }
+
+    /// Whether each of m straight motions, from ``starts`` to ``ends``, (m, n) each, is free at all times.
+    #[pyo3(signature = (starts, ends, *, threads = 1))]
+    fn free_edges<'py>(
+        &self,
+        py: Python<'py>,
+        starts: &Bound<'py, PyAny>,
+        ends: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let variables = self.read().variables();
+        let (starts, ends) = (rows_of(starts, variables, "starts")?, rows_of(ends, variables, "ends")?);
+        if starts.len() != ends.len() {
+            let message = format!("there are {} starts and {} ends", starts.len(), ends.len());
+            return Err(raise_as::<raised::ArrayError>(message));
+        }
+        let edges: Vec<_> = starts.into_iter().zip(ends).collect();
+        let free = py.detach(|| {
+            let scene = self.read();
+            all_with(&edges, threads, &|| self.workspace(&scene), &|workspace, (start, end)| {
+                Ok(scene.check_motion(workspace.get(), [start, end]).or_raise()?.is_free())
+            })
+        })?;
+        Ok(array(py, free))
+    }
+
+    /// The names of all pairs of bodies that come within ``margin`` of each other in a configuration.
+    #[pyo3(signature = (values, *, margin = 0.0))]
+    fn hits(
+        &self,
+        py: Python<'_>,
+        values: &Bound<'_, PyAny>,
+        margin: f64,
+    ) -> PyResult<Vec<(String, String)>> {
+        let values = vector(values, "values")?;
+        py.detach(|| {
+            let scene = self.read();
+            let hits = scene.hits(self.workspace(&scene).get(), &values, margin).or_raise()?;
+            Ok(hits.iter().map(|hit| (scene.name(hit.a).to_owned(), scene.name(hit.b).to_owned())).collect())
+        })
+    }
+
+    /// The least distance between two tested bodies, up to ``cutoff``, with its gradient. ``tolerance`` is that of
+    /// ``Body.distance``.
+    #[pyo3(signature = (values, *, tolerance = 0.0, cutoff = f64::INFINITY))]
+    fn clearance(
+        &self,
+        py: Python<'_>,
+        values: &Bound<'_, PyAny>,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> PyResult<PyClearance> {
+        let values = vector(values, "values")?;
+        py.detach(|| {
+            let scene = self.read();
+            let mut borrowed = self.workspace(&scene);
+            let near = scene.clearance(borrowed.get(), &values, tolerance, cutoff).or_raise()?;
+            let gradient = match &near.witness {
+                Some(witness) => scene.clearance_gradient(borrowed.get(), witness).or_raise()?,
+                None => vec![0.0; scene.variables()],
+            };
+            let witness = near.witness.map(|witness| {
+                let numbers = [witness.hit.a.to_bits(), witness.hit.b.to_bits()];
+                (Hit { numbers, pair: witness.hit.pair }, [witness.a, witness.b])
+            });
+            let nearest = Nearest { lower: near.lower, upper: near.upper, witness };
+            Ok(PyClearance { nearest, gradient: Some(gradient) })
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let scene = self.read();
+        let (links, objects) = (scene.links().len(), scene.objects().len());
+        format!(
+            "PlanningScene({} variables, {links} bodies of the robot, {objects} objects)",
+            scene.variables()
+        )
+    }
+}
