@@ -32,6 +32,7 @@
 
 mod any;
 mod collide;
+mod contacts;
 mod containment;
 mod distance;
 mod entry;
@@ -42,6 +43,7 @@ mod volume;
 
 pub use any::AnyError;
 pub use collide::STACK_BYTES;
+pub use contacts::{Contact, Contacts, Patch, TooManyPatches, patches};
 pub use distance::{DISTANCE_STACK_BYTES, Distance, Witness};
 pub(crate) use entry::checked;
 pub use entry::{Answer, Completion, Hint, Pair, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
