@@ -86,7 +86,11 @@ pub fn intersection(a: &Triangle, b: &Triangle) -> Option<Intersection> {
 
 /// The common part of the intervals that two triangles cut out of their planes' common line: see
 /// [`meet`](super::interval::meet).
-fn on_a_line((a, a_sides): (&Triangle, [i8; 3]), (b, b_sides): (&Triangle, [i8; 3]), signs: &mut Signs) -> Intersection {
+fn on_a_line(
+    (a, a_sides): (&Triangle, [i8; 3]),
+    (b, b_sides): (&Triangle, [i8; 3]),
+    signs: &mut Signs,
+) -> Intersection {
     let (w, v) = (Wedge::new(a, a_sides), Wedge::new(b, b_sides));
     let up = w.up * v.up;
     // Positive: the end on an edge of A is beyond the end on an edge of B.
@@ -168,10 +172,7 @@ type Determinant = Wide<30>;
 /// x / (x - y) of two determinants with opposite signs.
 #[cold]
 #[inline(never)]
-fn ratio<'p>(
-    determinants: &dyn Fn(i32) -> [Determinant; 2],
-    points: impl Iterator<Item = &'p Point>,
-) -> f64 {
+fn ratio<'p>(determinants: &dyn Fn(i32) -> [Determinant; 2], points: impl Iterator<Item = &'p Point>) -> f64 {
     let [x, y] = determinants(unit_of(points.flatten().copied()));
     x.over(&x.minus(&y), 0)
 }
@@ -186,9 +187,10 @@ fn minor(u: &[Difference; 3], v: &[Difference; 3], (i, j): (usize, usize)) -> Pr
 
 fn exact_side([origin, r, s]: &Triangle, p: &Point, unit: i32) -> Determinant {
     let [u, v, w] = [r, s, p].map(|p| exact_difference(p, origin, unit));
-    [(1, 2), (2, 0), (0, 1)].into_iter().zip(&w).fold(Determinant::ZERO, |sum, (axes, w)| {
-        sum.plus(&minor(&u, &v, axes).times(w))
-    })
+    [(1, 2), (2, 0), (0, 1)]
+        .into_iter()
+        .zip(&w)
+        .fold(Determinant::ZERO, |sum, (axes, w)| sum.plus(&minor(&u, &v, axes).times(w)))
 }
 
 fn exact_area(r: &Point, s: &Point, p: &Point, axes: (usize, usize), unit: i32) -> Determinant {
@@ -273,7 +275,13 @@ fn order_around(found: &mut Intersection, (x, y): (usize, usize)) {
     let turn = |p: &Point| {
         let (dx, dy) = (p[x] - middle[0], p[y] - middle[1]);
         let slope = dy / (dx.abs() + dy.abs());
-        if dx < 0.0 { 2.0 - slope } else if slope < 0.0 { 4.0 + slope } else { slope }
+        if dx < 0.0 {
+            2.0 - slope
+        } else if slope < 0.0 {
+            4.0 + slope
+        } else {
+            slope
+        }
     };
     points.sort_unstable_by(|p, q| turn(p).total_cmp(&turn(q)));
 }

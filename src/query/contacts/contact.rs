@@ -67,7 +67,8 @@ impl Contact {
     /// The vector area of a polygon; of a segment, that of its triangle with the origin.
     pub(super) fn vector_area(&self, origin: &Point) -> Point {
         let points = self.points();
-        let count = if points.len() > 2 { points.len() } else { points.len() - usize::from(!points.is_empty()) };
+        let count =
+            if points.len() > 2 { points.len() } else { points.len() - usize::from(!points.is_empty()) };
         (0..count).fold([0.0; 3], |sum, i| {
             let [p, q] = [&points[i], &points[(i + 1) % points.len()]].map(|p| difference(p, origin));
             let area = cross(&p, &q);

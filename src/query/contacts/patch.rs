@@ -82,8 +82,11 @@ fn join(contacts: &mut [Contact]) {
     let wider = |i: usize, j: usize| if high[j] - low[j] > high[i] - low[i] { j } else { i };
     let axis = wider(wider(0, 1), 2);
     let same = SAME * size;
-    let start = |contact: &Contact| contact.points().iter().fold(f64::INFINITY, |low, p| f64::min(low, p[axis]));
-    let end = |contact: &Contact| contact.points().iter().fold(f64::NEG_INFINITY, |high, p| f64::max(high, p[axis]));
+    let start =
+        |contact: &Contact| contact.points().iter().fold(f64::INFINITY, |low, p| f64::min(low, p[axis]));
+    let end = |contact: &Contact| {
+        contact.points().iter().fold(f64::NEG_INFINITY, |high, p| f64::max(high, p[axis]))
+    };
     contacts.sort_unstable_by(|x, y| start(x).total_cmp(&start(y)).then(x.pair.cmp(&y.pair)));
     for (index, contact) in contacts.iter_mut().enumerate() {
         contact.patch = index as u32;

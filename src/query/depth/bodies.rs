@@ -87,7 +87,8 @@ where
     /// `None` if the bodies meet.
     pub(super) fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok(None) };
-        let found = self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
+        let found =
+            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
         let Ok(found) = found else { return Ok(None) };
         self.stats = self.stats.and(&found.stats);
         if found.completion != Completion::Complete {
@@ -127,7 +128,8 @@ where
                 let apart = difference(&pair.b.centre, &pose.unflushed(&pair.a.centre));
                 let far = length(&apart);
                 // The middle of the lens, seen from the centre in A.
-                let middle = f64::max(0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius)), 0.0);
+                let middle =
+                    f64::max(0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius)), 0.0);
                 let back = self.turned_back(&apart);
                 let share = if far > 0.0 { middle / far } else { 0.0 };
                 of_packings = Some(core::array::from_fn(|i| pair.a.centre[i] + share * back[i]));
@@ -149,7 +151,13 @@ where
     }
 
     /// Moves the point away from both surfaces while its balls grow.
-    fn widened(&mut self, start: Shared, pose: &Pose, t: &Point, steps: usize) -> Result<Shared, OutOfBudget> {
+    fn widened(
+        &mut self,
+        start: Shared,
+        pose: &Pose,
+        t: &Point,
+        steps: usize,
+    ) -> Result<Shared, OutOfBudget> {
         let (mut best, mut step) = (start, 0.3 * start.radius);
         for _ in 0..steps {
             let [from_b, from_a] = &best.inwards;
@@ -216,15 +224,16 @@ where
     pub(super) fn middle_of_contact(&mut self) -> Result<Option<Point>, OutOfBudget> {
         let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
         let (a, b, pose) = (self.a, self.b, self.pose);
-        let (completion, stats) = self.query.after(&self.stats).for_each_leaf_pair(a, b, pose, &mut |i, j| {
-            let corners = P::corners(&P::moved(&a.primitive(i), pose)).chain(Q::corners(&b.primitive(j)));
-            for corner in corners {
-                sum = core::array::from_fn(|i| sum[i] + corner[i]);
-                count += 1.0;
-            }
-            pairs += 1;
-            if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        });
+        let (completion, stats) =
+            self.query.after(&self.stats).for_each_leaf_pair(a, b, pose, &mut |i, j| {
+                let corners = P::corners(&P::moved(&a.primitive(i), pose)).chain(Q::corners(&b.primitive(j)));
+                for corner in corners {
+                    sum = core::array::from_fn(|i| sum[i] + corner[i]);
+                    count += 1.0;
+                }
+                pairs += 1;
+                if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
         self.stats = self.stats.and(&stats);
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);

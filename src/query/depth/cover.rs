@@ -95,7 +95,8 @@ impl Cover {
         };
         let (radius, shared) = bodies.forbidden(&along.map(|x| x * reach), seed, POINTS)?;
         self.steps += 1;
-        let width = corners.iter().fold(0.0, |width, corner| f64::max(width, length(&difference(corner, &along))));
+        let width =
+            corners.iter().fold(0.0, |width, corner| f64::max(width, length(&difference(corner, &along))));
         let spread = reach * (width + ROUNDING);
         let part = &mut self.parts[at];
         part.reach = f64::max(reach, (reach + (radius - spread)) * (1.0 - f64::EPSILON));
@@ -158,10 +159,10 @@ fn middle([p, q, r]: &[Point; 3]) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec;
-    use alloc::vec::Vec;
     use crate::rng::Rng;
     use crate::vector::{cross, dot};
+    use alloc::vec;
+    use alloc::vec::Vec;
 
     /// Every direction is in some part of a divided sphere, and no farther from its middle than a corner.
     #[test]
@@ -184,7 +185,8 @@ mod tests {
                 let is_in = near && (sides.iter().all(|x| *x >= 0.0) || sides.iter().all(|x| *x <= 0.0));
                 if is_in {
                     let middle = middle(&[p, q, r]).unwrap_or_default();
-                    let width = [p, q, r].map(|p| length(&difference(&p, &middle))).into_iter().fold(0.0, f64::max);
+                    let width =
+                        [p, q, r].map(|p| length(&difference(&p, &middle))).into_iter().fold(0.0, f64::max);
                     assert!(length(&difference(&u, &middle)) <= width + ROUNDING, "{path:b}");
                     *count += 1;
                     found = true;

@@ -135,7 +135,11 @@ fn children<N: Node>(
             link @ Link::Leaf { .. } => {
                 for index in link.primitives() {
                     let Sphere { centre, radius } = tree.primitive(index);
-                    visit(Volume { centre: place(centre), radius, link: Link::Leaf { first: index, count: 1 } });
+                    visit(Volume {
+                        centre: place(centre),
+                        radius,
+                        link: Link::Leaf { first: index, count: 1 },
+                    });
                 }
             }
         }

@@ -74,8 +74,9 @@ impl WayOut {
             let x = unit(&cross(&best, &axis)).unwrap_or(axis);
             let y = cross(&best, &x);
             // The corners of a hexagon.
-            let (u, v) = [(1.0, 0.0), (-1.0, 0.0), (0.5, 0.866), (-0.5, -0.866), (-0.5, 0.866), (0.5, -0.866)]
-                [self.beside % BESIDE];
+            let (u, v) =
+                [(1.0, 0.0), (-1.0, 0.0), (0.5, 0.866), (-0.5, -0.866), (-0.5, 0.866), (0.5, -0.866)]
+                    [self.beside % BESIDE];
             let (u, v) = (u * self.reach, v * self.reach);
             let direction = core::array::from_fn(|i| best[i] + (u * x[i] + v * y[i]));
             let upper = self.upper;
@@ -117,7 +118,8 @@ impl WayOut {
             let mut next = None;
             if ahead > 0.0 {
                 for share in [1.0, 0.5, 0.2] {
-                    let to = core::array::from_fn(|i| straight[i] + share * (normal[i] * ahead - straight[i]));
+                    let to =
+                        core::array::from_fn(|i| straight[i] + share * (normal[i] * ahead - straight[i]));
                     if bodies.is_free(&to)? {
                         next = Some(to);
                         break;

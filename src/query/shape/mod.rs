@@ -198,7 +198,9 @@ impl Query {
         let shape = Shape::unchecked(Core::Point(*point), 0.0);
         let limits = (NEAR, f64::INFINITY);
         let found = self.nearest_to_shape(&shape, &Volume::of(&shape, tree), tree, limits, stats);
-        found.is_complete.then(|| found.found.map(|(_, nearest)| Separation { lower: found.lower, ..nearest }))
+        found
+            .is_complete
+            .then(|| found.found.map(|(_, nearest)| Separation { lower: found.lower, ..nearest }))
     }
 
     /// If a shape that meets no primitive is inside of a solid: the crossed primitive that is reported, or an upper
