@@ -1,8 +1,6 @@
 //! The contact of two triangles.
 
-#[cfg(doc)]
-use crate::primitive::triangle::intersection;
-use crate::primitive::triangle::{Intersection, Triangle};
+use crate::primitive::triangle::{Intersection, Triangle, intersection};
 use crate::query::entry::{Completion, Pair, QueryStats};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length};
@@ -37,7 +35,7 @@ pub struct Contacts {
 impl Contact {
     /// `None` if the two do not meet.
     pub(super) fn of(pair: Pair, a: &Triangle, b: &Triangle) -> Option<Self> {
-        let found = crate::primitive::triangle::intersection(a, b)?;
+        let found = intersection(a, b)?;
         let (normal_a, normal_b) = (unit_normal(a), unit_normal(b));
         let len = found.points().len();
         let mut points = [[0.0; 3]; Intersection::MOST];

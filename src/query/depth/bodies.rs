@@ -15,6 +15,7 @@
 //! the translation; a surface that moves by less than its distance from a point winds around the point as before.
 //! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
 
+use super::interval::OutOfBudget;
 use super::packings::{self, Packings};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
@@ -26,10 +27,6 @@ use crate::query::setup::reach;
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, dot, length};
 use core::ops::ControlFlow;
-
-/// The budget is spent.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct OutOfBudget;
 
 const ROUNDING: f64 = power_of_two(-44);
 /// Far above the least coordinate, and far below anything of a body.

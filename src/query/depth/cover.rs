@@ -13,7 +13,8 @@
 //! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
-use super::bodies::{Bodies, OutOfBudget, unit};
+use super::bodies::{Bodies, unit};
+use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
 use crate::query::entry::PrimitivePair;

@@ -3,6 +3,10 @@
 use crate::query::entry::{Completion, QueryStats};
 use crate::range::Point;
 
+/// The budget is spent.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct OutOfBudget;
+
 /// The depth of two bodies, the length of the least translation of A after which they are apart or touch, lies in
 /// `lower ..= upper`.
 #[must_use = "a query has no other effect than its answer"]

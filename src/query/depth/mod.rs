@@ -21,8 +21,9 @@ use crate::pose::Pose;
 use crate::primitive::shape::depth;
 use crate::primitive::{Primitive, Shape, Shapes};
 use crate::range::Point;
-use bodies::{Bodies, OutOfBudget};
+use bodies::Bodies;
 use cover::Cover;
+use interval::OutOfBudget;
 use way_out::WayOut;
 
 impl Query {

@@ -1,6 +1,6 @@
 //! The deepest pair of spheres of two packings.
 
-use super::bodies::OutOfBudget;
+use super::interval::OutOfBudget;
 use crate::hierarchy::BvhRef;
 use crate::node::{Link, Node};
 use crate::pose::Pose;

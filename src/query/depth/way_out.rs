@@ -5,7 +5,8 @@
 //! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
 //! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
 
-use super::bodies::{Bodies, OutOfBudget, unit};
+use super::bodies::{Bodies, unit};
+use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
 use crate::query::entry::PrimitivePair;
