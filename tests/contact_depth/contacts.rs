@@ -1,6 +1,6 @@
 //! Intersections of triangles against the oracle, and contact queries against all pairs.
 
-use crate::oracle;
+use crate::oracle::{self, Rational};
 use crate::support::data::suite_step;
 use crate::support::exact::{Tri, meeting_pairs};
 use crate::support::rng::Rng;
@@ -19,16 +19,21 @@ fn size(a: &Tri, b: &Tri) -> f64 {
         + 2_f64.powi(-50) * coordinates.fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
+/// Whether the points are the corners: one for each, or for several that are as near to it as the bound.
+fn is_of(points: &[[f64; 3]], corners: &[Rational], bound: f64) -> bool {
+    let near = |p: &[f64; 3]| corners.iter().filter(|corner| corner.is_near(p, bound)).count();
+    corners.iter().all(|corner| points.iter().any(|p| corner.is_near(p, bound)))
+        && points.iter().all(|p| near(p) > 0)
+        && (points.len() == corners.len() || points.iter().any(|p| near(p) > 1))
+}
+
 /// Returns the number of corners.
 fn check(a: &Tri, b: &Tri) -> usize {
     let found = intersection(a, b);
     assert_eq!(found.is_some(), overlap(a, b, &mut 0), "{a:?} {b:?}");
     let points = found.as_ref().map_or(&[][..], |found| found.points());
     let want = oracle::intersection(a, b);
-    assert_eq!(points.len(), want.len(), "{a:?} {b:?} {points:?}");
-    for corner in &want {
-        assert!(points.iter().any(|p| corner.is_near(p, size(a, b))), "{a:?} {b:?} {points:?} {corner:?}");
-    }
+    assert!(is_of(points, &want, size(a, b)), "{a:?} {b:?} {points:?} {want:?}");
     points.len()
 }
 
@@ -139,8 +144,7 @@ fn contacts_are_of_all_pairs_that_meet() {
         for contact in &found {
             let (a, b) = (&moved[contact.pair.a as usize], &mesh.corners()[contact.pair.b as usize]);
             let corners = oracle::intersection(a, b);
-            assert_eq!(corners.len(), contact.points().len());
-            assert!(corners.iter().all(|c| contact.points().iter().any(|p| c.is_near(p, size(a, b)))));
+            assert!(is_of(contact.points(), &corners, size(a, b)), "{contact:?} {corners:?}");
         }
         if want.len() > 1 {
             let (fewer, completion) = contacts(&tree, &tree, &at, want.len() - 1);

@@ -155,7 +155,11 @@ fn bounds_are_monotone_in_the_budget() {
     for round in 0..4 {
         let at = pose(&rng.rotation(), [(); 3].map(|()| rng.range(-1.2, 1.2)));
         let given = (round % 2 == 0).then_some(&packings);
-        let mut budgets: Vec<u64> = (0..60 / suite_step()).map(|_| rng.below(1 << rng.below(15))).collect();
+        let mut budget = || {
+            let bits = rng.below(15);
+            rng.below(1 << bits)
+        };
+        let mut budgets: Vec<u64> = (0..60 / suite_step()).map(|_| budget()).collect();
         budgets.sort_unstable();
         let (mut lower, mut upper) = (0.0, f64::INFINITY);
         for budget in budgets {

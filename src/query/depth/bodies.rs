@@ -16,7 +16,7 @@
 //! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
 
 use super::interval::OutOfBudget;
-use super::packings::{self, Packings};
+use super::packings::{self, DeepestPair, Packings};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -108,8 +108,8 @@ where
     }
 
     /// A translation's forbidden neighbourhood: a radius, and a point in both bodies. Tries the packings, and then
-    /// `steps` points on the way from the better of `seed` and that of the packings. The radius is 0 or less if nothing
-    /// is known to be forbidden.
+    /// `steps` points on the way from the best of the seed and the place of the packings; without these, from where the
+    /// bodies are likely to overlap. The radius is 0 or less if nothing is known to be forbidden.
     pub(super) fn forbidden(
         &mut self,
         t: &Point,
@@ -122,29 +122,72 @@ where
             let budget = self.query.budget();
             if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
                 radius = pair.depth - self.pose.skew() * pair.a.radius - self.slack(t);
-                let apart = difference(&pair.b.centre, &pose.unflushed(&pair.a.centre));
-                let far = length(&apart);
-                // The middle of the lens, seen from the centre in A.
-                let middle =
-                    f64::max(0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius)), 0.0);
-                let back = self.turned_back(&apart);
-                let share = if far > 0.0 { middle / far } else { 0.0 };
-                of_packings = Some(core::array::from_fn(|i| pair.a.centre[i] + share * back[i]));
+                of_packings = Some(self.middle_of_lens(&pair, &pose));
             }
         }
-        let mut best: Option<Shared> = None;
-        for point in [seed, of_packings].into_iter().flatten() {
-            if let Some(found) = self.shared(&point, &pose, t, [true; 2])?
-                && best.is_none_or(|best| found.radius > best.radius)
-            {
-                best = Some(found);
-            }
+        let mut best = self.best_of([seed, of_packings], &pose, t)?;
+        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
+            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
+            best = self.best_of(seeds, &pose, t)?;
         }
         if let Some(start) = best {
             let found = self.widened(start, &pose, t, steps)?;
             (radius, best) = (f64::max(radius, found.radius), Some(found));
         }
         Ok((radius, best))
+    }
+
+    fn best_of(
+        &mut self,
+        seeds: [Option<Point>; 2],
+        pose: &Pose,
+        t: &Point,
+    ) -> Result<Option<Shared>, OutOfBudget> {
+        let mut best: Option<Shared> = None;
+        for point in seeds.into_iter().flatten() {
+            if let Some(found) = self.shared(&point, pose, t, [true; 2])?
+                && best.is_none_or(|best| found.radius > best.radius)
+            {
+                best = Some(found);
+            }
+        }
+        Ok(best)
+    }
+
+    /// The middle of what two spheres share, in A's frame.
+    fn middle_of_lens(&self, pair: &DeepestPair, pose: &Pose) -> Point {
+        let apart = difference(&pair.b.centre, &pose.unflushed(&pair.a.centre));
+        let far = length(&apart);
+        // On the way from the centre in A to that in B.
+        let middle = 0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius));
+        let share = if far > 0.0 { f64::max(middle, 0.0) / far } else { 0.0 };
+        let back = self.turned_back(&apart);
+        core::array::from_fn(|i| pair.a.centre[i] + share * back[i])
+    }
+
+    /// The middle of what the bodies' boxes share, along the axes of B's frame, in A's frame.
+    fn middle_of_boxes(&self, pose: &Pose) -> Option<Point> {
+        let (a, b) = (self.a.extent(), self.b.extent());
+        let [of_a, of_b] = [&a, &b].map(|body| body.half_width.map(|x| f64::from(x) / body.frame.scale()));
+        let centre = pose.unflushed(&a.frame.centre);
+        let mut middle = [0.0; 3];
+        for i in 0..3 {
+            let wide = dot(&pose.rows()[i].map(f64::abs), &of_a);
+            let low = f64::max(centre[i] - wide, b.frame.centre[i] - of_b[i]);
+            let high = f64::min(centre[i] + wide, b.frame.centre[i] + of_b[i]);
+            if low > high {
+                return None;
+            }
+            middle[i] = 0.5 * (low + high);
+        }
+        Some(self.in_a(&middle, pose))
+    }
+
+    /// A point of B's frame in A's, up to rounding and the deviation of the matrix.
+    fn in_a(&self, point: &Point, pose: &Pose) -> Point {
+        let centre = self.a.frame().centre;
+        let back = self.turned_back(&difference(point, &pose.unflushed(&centre)));
+        core::array::from_fn(|i| centre[i] + back[i])
     }
 
     /// Moves the point away from both surfaces while its balls grow.
@@ -216,15 +259,14 @@ where
         }))
     }
 
-    /// A point that is likely in both bodies, in A's frame: the middle of the primitives that meet, of at most
-    /// [`MOST_PAIRS`].
-    pub(super) fn middle_of_contact(&mut self) -> Result<Option<Point>, OutOfBudget> {
+    /// The middle of the primitives that meet, of at most [`MOST_PAIRS`], in A's frame.
+    fn middle_of_contact(&mut self, pose: &Pose) -> Result<Option<Point>, OutOfBudget> {
         let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
-        let (a, b, pose) = (self.a, self.b, self.pose);
+        let (a, b) = (self.a, self.b);
         let (completion, stats) =
             self.query.after(&self.stats).for_each_leaf_pair(a, b, pose, &mut |i, j| {
-                let corners = P::corners(&P::moved(&a.primitive(i), pose)).chain(Q::corners(&b.primitive(j)));
-                for corner in corners {
+                let (moved, still) = (P::moved(&a.primitive(i), pose), b.primitive(j));
+                for corner in P::corners(&moved).chain(Q::corners(&still)) {
                     sum = core::array::from_fn(|i| sum[i] + corner[i]);
                     count += 1.0;
                 }
@@ -235,13 +277,7 @@ where
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);
         }
-        if count == 0.0 {
-            return Ok(None);
-        }
-        let centre = self.a.frame().centre;
-        let middle = sum.map(|x| x / count);
-        let back = self.turned_back(&difference(&middle, &self.pose.unflushed(&centre)));
-        Ok(Some(core::array::from_fn(|i| centre[i] + back[i])))
+        Ok((count > 0.0).then(|| self.in_a(&sum.map(|x| x / count), pose)))
     }
 }
 
@@ -249,7 +285,7 @@ const MOST_PAIRS: u32 = 512;
 /// Of a distance on the way to the bodies, relatively.
 const ROUGH: f64 = power_of_two(-10);
 /// The square of a slope that is not worth a step.
-const FLAT: f64 = power_of_two(-8);
+const FLAT: f64 = power_of_two(-12);
 
 /// A vector of length 1; `None` if it has no direction.
 pub(super) fn unit(v: &Point) -> Option<Point> {

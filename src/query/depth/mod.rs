@@ -149,8 +149,7 @@ where
         found.way.upper = 0.0;
         return Ok(());
     }
-    let seed = bodies.middle_of_contact()?;
-    let (radius, shared) = bodies.forbidden(&[0.0; 3], seed, FIRST_POINTS)?;
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
     let mut cover = Cover::new(radius, shared.map(|shared| shared.point));
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);

@@ -86,17 +86,15 @@ pub(super) fn deepest<N: Node>(
                 if bound > depth {
                     (depth, best) = (bound, Some((i, j)));
                 }
-            } else if !(bound <= depth) {
-                let place = if len < MOST_WAITING {
+            } else if bound > depth {
+                let least = |i: usize, j: usize| if waiting[j].bound < waiting[i].bound { j } else { i };
+                let place = if len < MOST_WAITING { len } else { (1..len).fold(0, least) };
+                if place == len {
                     len += 1;
-                    len - 1
-                } else {
-                    let least = |i: usize, j: usize| if waiting[j].bound < waiting[i].bound { j } else { i };
-                    (1..len).fold(0, least)
-                };
-                if place + 1 == len || waiting[place].bound < bound {
-                    waiting[place] = Waiting { bound, a, b };
+                } else if waiting[place].bound >= bound {
+                    return;
                 }
+                waiting[place] = Waiting { bound, a, b };
             }
         };
         if is_a_opened {
