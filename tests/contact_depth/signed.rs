@@ -29,7 +29,7 @@ fn gradients_are_those_of_differences() {
     let (a, b) = (solid(&torus(20, 10)), solid(&grid_box([-1.0; 3], [1.0; 3], 2)));
     let query = Query::new(Isa::detect());
     let distance = |at: &Pose| query.signed_distance(&a, &b, at, 0.0, None).unwrap();
-    let (mut smooth, mut all) = (0, 0);
+    let (mut smooth, mut all) = (0_usize, 0);
     for _ in 0..80 / suite_step() {
         let along = rng.rotation()[0];
         let far = rng.range(2.5, 5.0);
@@ -46,7 +46,7 @@ fn gradients_are_those_of_differences() {
             let slope = (ahead - back) / (2.0 * step);
             all += 1;
             // Where the nearest features change between the two, there is no derivative.
-            smooth += u32::from((slope - found.gradient[direction]).abs() < 1e-4);
+            smooth += usize::from((slope - found.gradient[direction]).abs() < 1e-4);
         }
     }
     assert!(all > 100 / suite_step() && 20 * smooth > 19 * all, "{smooth} of {all}");
