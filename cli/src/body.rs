@@ -264,12 +264,28 @@ fn timed(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<(Source,
 
 /// Two bodies of one node type, from files that may hold trees.
 pub(super) fn pair(files: [&BodyFile; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
+    pair_as(files, options, options, quiet)
+}
+
+/// [`pair`], with meshes built as solids.
+pub(super) fn solids(files: [&BodyFile; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
+    let solid = TreeOptions { solid: options.cap.is_none(), ..options.clone() };
+    pair_as(files, options, &solid, quiet)
+}
+
+/// [`pair`]: the options as given, and those to build meshes with.
+fn pair_as(
+    files: [&BodyFile; 2],
+    given: &TreeOptions,
+    options: &TreeOptions,
+    quiet: bool,
+) -> Result<[Body; 2], Error> {
     let [a, b] = [timed(files[0], options, quiet)?, timed(files[1], options, quiet)?];
-    if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
+    if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, given.first_given()) {
         return Err(Error::idle(option, &files[0].path.display()));
     }
-    let given = a.0.node_type().or_else(|| b.0.node_type());
-    let node = node_type(options, given);
+    let type_of_tree = a.0.node_type().or_else(|| b.0.node_type());
+    let node = node_type(options, type_of_tree);
     Ok([of_source(a, files[0], options, node, quiet)?, of_source(b, files[1], options, node, quiet)?])
 }
 

@@ -5,7 +5,7 @@ use super::error::Error;
 use super::pair::Bodies;
 use super::shape::{self, Given};
 use super::verdicts::{Pairs, PoseReport, Report, Summary};
-use super::{TreeOptions, demo, isa, poses, progress};
+use super::{TreeOptions, demo, isa, patches, poses, progress};
 use clap::Args;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
@@ -31,6 +31,10 @@ pub(super) struct Options {
     /// List every pair of triangles that meet, by their indices from 0, in the order in which they are found.
     #[arg(long)]
     all_pairs: bool,
+    /// Describe the patches in which two meshes touch: the direction in which A leaves B, how far it has to go in that
+    /// direction, and up to four points that span the patch.
+    #[arg(long)]
+    contacts: bool,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
@@ -47,6 +51,10 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let (bodies, poses) = scene_of(options)?;
     let query = body::query(options.isa, options.budget);
+    if options.contacts && bodies.trees().is_none() {
+        let problem = "shapes have no triangles that could touch".into();
+        return Err(Error::Option { option: "--contacts", problem });
+    }
     let reports = all(&bodies, query, &poses, options);
     let (node, [a, b]) = (bodies.node_type(), bodies.reports());
     let report = Report {
@@ -108,12 +116,14 @@ fn one<'a>(bodies: &'a Bodies, query: Query, pose: &'a Pose, options: &Options) 
         Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
     };
     let (pairs, pairs_complete) = options.all_pairs.then(|| Pairs::new(bodies, query, pose)).unzip();
+    let patches = bodies.trees().filter(|_| options.contacts).map(|trees| patches::find(&query, trees, pose));
     let QueryStats { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.stats;
     PoseReport {
         verdict,
         pair,
         pairs,
         pairs_complete,
+        patches,
         distance_bounds,
         nanoseconds,
         set_up_nanoseconds,

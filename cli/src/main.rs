@@ -7,12 +7,14 @@ mod build;
 mod collide;
 mod cover;
 mod demo;
+mod depth;
 mod error;
 mod info;
 mod near;
 mod output;
 mod pack;
 mod pair;
+mod patches;
 mod picture;
 mod poses;
 mod progress;
@@ -81,6 +83,11 @@ enum Command {
     ///
     /// Also prints the direction that separates A from B. One row for each pose.
     Volume(volume::Options),
+    /// How deep are two solids in each other: how far has A, placed by a pose in B's frame, to move to leave B?
+    ///
+    /// Prints bounds of the least translation, and one that is enough. One row for each pose. A and B are meshes (.obj,
+    /// .off, .ply, .stl), which must be closed, or trees of solids made by `simdop build`.
+    Depth(depth::Options),
     /// Which points of a cloud are near each other, or near a body?
     ///
     /// With a radius: the number of neighbours of the points, the time of the search, and the neighbours themselves.
@@ -301,6 +308,7 @@ fn main() -> ExitCode {
         Command::Pack(options) => pack::run(&options).map(|()| 0),
         Command::Cover(options) => cover::run(&options).map(|()| 0),
         Command::Volume(options) => volume::run(&options).map(|()| 0),
+        Command::Depth(options) => depth::run(&options).map(|()| 0),
         Command::Near(options) => near::run(&options),
         Command::Robot(options) => robot::run(&options).map(|()| 0),
         #[cfg(feature = "report")]

@@ -103,6 +103,11 @@ impl Bodies {
         }
     }
 
+    /// Both bodies, if they are trees.
+    pub(super) const fn trees(&self) -> Option<&[Body; 2]> {
+        if let Self::Trees(trees) = self { Some(trees) } else { None }
+    }
+
     /// A pair of the shape's primitive and one of the tree.
     const fn ordered(&self, Pair { a, b }: Pair) -> Pair {
         if let Self::Mixed { is_shape_b: true, .. } = self { Pair { a: b, b: a } } else { Pair { a, b } }

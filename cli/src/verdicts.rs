@@ -3,6 +3,7 @@
 use super::StorageName;
 use super::body::CapsReport;
 use super::pair::Bodies;
+use super::patches::PatchReport;
 use alloc::rc::Rc;
 use core::cell::Cell;
 use core::ops::ControlFlow;
@@ -58,6 +59,9 @@ pub(super) struct PoseReport<'a> {
     /// Whether the budget sufficed for all of them. Comes after the pairs: it is known once they are written.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "known")]
     pub(super) pairs_complete: Option<Rc<Cell<bool>>>,
+    /// Where triangles touch; not all of it if the budget was exhausted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) patches: Option<Vec<PatchReport>>,
     /// Bounds on the distance, if the budget was exhausted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) distance_bounds: Option<[f64; 2]>,
@@ -243,6 +247,9 @@ impl PoseReport<'_> {
             },
             (_, Some([low, high])) => writeln!(out, "  the distance is in {low} ..= {high}")?,
             _ => writeln!(out)?,
+        }
+        for patch in self.patches.iter().flatten() {
+            patch.print(out)?;
         }
         let Some(pairs) = &self.pairs else { return Ok(()) };
         pairs.try_for_each(|Pair { a, b }| writeln!(out, "        {a} {b}"))?;

@@ -1,10 +1,13 @@
 //! Queries between trees whose node type is known only at run time.
 
+use super::contacts::{Contact, Contacts};
+use super::depth::DepthInterval;
 use super::distance::Distance;
 use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
 use crate::hierarchy::{AnyBvhRef, NodeType, for_node_types};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
+use crate::primitive::{Primitive, Shapes};
+use crate::range::Point;
 use core::fmt;
 use core::ops::ControlFlow;
 
@@ -117,5 +120,55 @@ impl Query {
         tolerance: f64,
     ) -> Result<Distance, AnyError> {
         with_both!(a, b => self.distance(a, b, pose, tolerance)?)
+    }
+
+    /// [`Query::contacts`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types.
+    #[inline]
+    pub fn contacts_any(
+        &self,
+        a: &AnyBvhRef<'_>,
+        b: &AnyBvhRef<'_>,
+        pose: &Pose,
+        into: &mut [Contact],
+    ) -> Result<Contacts, AnyError> {
+        with_both!(a, b => self.contacts(a, b, pose, into))
+    }
+
+    /// [`Query::depth`], without packings.
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types.
+    #[inline]
+    pub fn depth_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
+        pose: &Pose,
+    ) -> Result<DepthInterval, AnyError>
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        with_both!(a, b => self.depth(a, b, pose, None))
+    }
+
+    /// [`Query::depth_along`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types.
+    #[inline]
+    pub fn depth_along_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
+        pose: &Pose,
+        direction: Point,
+    ) -> Result<(f64, QueryStats), AnyError>
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        with_both!(a, b => self.depth_along(a, b, pose, direction))
     }
 }

@@ -32,7 +32,9 @@
 
 mod any;
 mod collide;
+mod contacts;
 mod containment;
+mod depth;
 mod distance;
 mod entry;
 mod lanes;
@@ -42,6 +44,8 @@ mod volume;
 
 pub use any::AnyError;
 pub use collide::STACK_BYTES;
+pub use contacts::{Contact, Contacts, Patch, TooManyPatches, patches};
+pub use depth::{DepthInterval, Packings, SignedDistance};
 pub use distance::{DISTANCE_STACK_BYTES, Distance, Witness};
 pub(crate) use entry::checked;
 pub use entry::{Answer, Completion, Hint, Pair, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};

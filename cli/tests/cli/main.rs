@@ -3,6 +3,7 @@
 mod clouds;
 mod collide;
 mod damage;
+mod depth;
 #[path = "../../../tests/support/files.rs"]
 mod files;
 #[path = "../../../tests/support/folder.rs"]

@@ -9,12 +9,12 @@ use crate::range::Point;
 
 /// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the paper cited at
 /// [`DETERMINANT_ERROR`](super::sides::DETERMINANT_ERROR).
-const AREA_ERROR: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+pub(super) const AREA_ERROR: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
 const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
 /// The two coordinates that each projection along an axis keeps.
-const PROJECTIONS: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+pub(super) const PROJECTIONS: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
 /// The test for a pair in which all vertices of one triangle are on the other's plane, or the other has no plane.
 ///
@@ -73,15 +73,15 @@ fn skew(a: &Triangle, b: &Triangle, signs: &mut Signs) -> bool {
 
 /// The least and the greatest point in lexicographic order. Of collinear points these are the extreme ones, because the
 /// order is monotone along a line.
-fn extremes([p, q, r]: &Triangle) -> [&Point; 2] {
+pub(super) fn extremes([p, q, r]: &Triangle) -> [&Point; 2] {
     [least(least(p, q), r), greatest(greatest(p, q), r)]
 }
 
-fn least<'a>(p: &'a Point, q: &'a Point) -> &'a Point {
+pub(super) fn least<'a>(p: &'a Point, q: &'a Point) -> &'a Point {
     if q < p { q } else { p }
 }
 
-fn greatest<'a>(p: &'a Point, q: &'a Point) -> &'a Point {
+pub(super) fn greatest<'a>(p: &'a Point, q: &'a Point) -> &'a Point {
     if q > p { q } else { p }
 }
 

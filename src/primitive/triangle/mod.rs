@@ -27,6 +27,7 @@ pub mod distance;
 mod double_double;
 mod features;
 mod flat;
+mod intersection;
 mod interval;
 mod on_lattice;
 mod overlap;
@@ -36,6 +37,7 @@ mod sides;
 mod tests;
 mod triangles;
 
+pub use intersection::{Intersection, intersection};
 pub(crate) use on_lattice::LatticeProbe;
 pub use overlap::{Probe, is_degenerate, overlap};
 #[cfg(simdop_x86)]

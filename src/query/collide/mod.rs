@@ -166,6 +166,29 @@ impl Query {
     }
 }
 
+impl Query {
+    /// [`Query::for_each_pair`] by indices in leaf order.
+    pub(in crate::query) fn for_each_leaf_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        visit: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
+    ) -> (Completion, QueryStats) {
+        let mut stats = QueryStats::default();
+        if are_apart(a.header(), b.header(), pose, 0.0) {
+            return (Completion::Complete, stats);
+        }
+        let stop = self.run((a, b), pose, Touching, &mut stats, &mut |found| visit(found.a, found.b));
+        let completion = match stop {
+            None => Completion::Complete,
+            Some(Stop::Visitor) => Completion::Stopped,
+            Some(Stop::Budget { .. }) => Completion::OutOfBudget,
+        };
+        (completion, stats)
+    }
+}
+
 /// Whether the primitives of a hint meet.
 // Not inlined: it would enlarge the stack frame of the traversal.
 #[inline(never)]

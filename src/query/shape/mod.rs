@@ -10,13 +10,18 @@ use super::entry::{
     Answer, Completion, Hint, Pair, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
 };
 use super::lanes::Lanes;
+use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::pose::Pose;
-use crate::primitive::shape::{is_near, nearer};
+use crate::primitive::shape::{Core, is_near, nearer};
 use crate::primitive::triangle::distance::TIGHT;
-use crate::primitive::{Primitive, Shape, Shapes};
+use crate::primitive::{Primitive, Separation, Shape, Shapes};
+use crate::range::Point;
 use bounds::Volume;
 use core::ops::ControlFlow;
+
+/// The relative difference of the bounds of a distance from a point.
+const NEAR: f64 = power_of_two(-30);
 
 impl Query {
     /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is
@@ -181,6 +186,25 @@ impl Query {
             }
         }
         distance
+    }
+
+    /// Bounds of the distance of a point from the primitives of a tree, and the nearest points, the given one as that of
+    /// A. `None` if the budget was spent, `Some(None)` if the tree is empty.
+    pub(in crate::query) fn to_surface<N: Lanes, Q: Primitive>(
+        &self,
+        point: &Point,
+        tree: &BvhRef<'_, N, Q>,
+        stats: &mut QueryStats,
+    ) -> Option<Option<Separation>>
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        let shape = Shape::unchecked(Core::Point(*point), 0.0);
+        let limits = (NEAR, f64::INFINITY);
+        let found = self.nearest_to_shape(&shape, &Volume::of(&shape, tree), tree, limits, stats);
+        found
+            .is_complete
+            .then(|| found.found.map(|(_, nearest)| Separation { lower: found.lower, ..nearest }))
     }
 
     /// If a shape that meets no primitive is inside of a solid: the crossed primitive that is reported, or an upper

@@ -1,0 +1,78 @@
+//! Where two bodies of triangles touch: the intersections of pairs of triangles that meet, and the patches that they
+//! form.
+
+mod contact;
+mod patch;
+
+pub use contact::{Contact, Contacts};
+pub use patch::{Patch, TooManyPatches, patches};
+
+use super::entry::{Completion, Pair, Query, QueryStats};
+use super::lanes::Lanes;
+use super::setup::{Touching, are_apart};
+use crate::hierarchy::{AsBvh, with_bvhs};
+use crate::pose::Pose;
+use crate::primitive::{Primitive, Triangles};
+use core::ops::ControlFlow;
+
+impl Query {
+    /// The intersection of every pair of triangles that meet, body `a` placed by `pose` in the frame of body `b`:
+    /// [`Query::for_each_pair`] with the points in which they meet. The contacts are written to `into`, from its start,
+    /// in the order in which they are found. If there are more, the query ends with [`Completion::Stopped`].
+    ///
+    /// Bodies inside of a solid that meet none of its triangles have no contacts.
+    ///
+    /// ```
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
+    /// use simdop::query::{Completion, Contact, Patch, patches};
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// // The base of one tetrahedron is a little below the tip of the other.
+    /// let on_top = Pose::from_rows([[1.0, 0.0, 0.0, -0.25], [0.0, 1.0, 0.0, -0.25], [0.0, 0.0, 1.0, 0.9]])?;
+    /// let mut room = [Contact::default(); 16];
+    /// let found = Query::new(Isa::detect()).contacts(&body, &body, &on_top, &mut room);
+    /// assert_eq!((found.count, found.completion), (3, Completion::Complete));
+    ///
+    /// let contacts = &mut room[..found.count];
+    /// let mut room = [Patch::default(); 4];
+    /// assert_eq!(patches(contacts, &mut room), Ok(1));
+    /// assert!(room[0].normal[2] > 0.99); // A has to rise.
+    /// let mut points = [[0.0; 3]; 3];
+    /// assert_eq!(room[0].span(contacts, &mut points), 3);
+    /// assert!(points.iter().all(|p| (p[2] - 0.9).abs() < 1e-12));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contacts<A, B>(&self, a: &A, b: &B, pose: &Pose, into: &mut [Contact]) -> Contacts
+    where
+        A: AsBvh<Primitive = Triangles, Node: Lanes>,
+        B: AsBvh<Primitive = Triangles, Node = A::Node>,
+    {
+        let (mut stats, mut count, mut is_full) = (QueryStats::default(), 0, false);
+        if are_apart(a.header(), b.header(), pose, 0.0) {
+            return Contacts { count, completion: Completion::Complete, stats };
+        }
+        let stop = with_bvhs(a, b, |a, b| {
+            self.run((a, b), pose, Touching, &mut stats, &mut |found| {
+                let Some(place) = into.get_mut(count) else {
+                    is_full = true;
+                    return ControlFlow::Break(());
+                };
+                let moved = Triangles::moved(&a.primitive(found.a), pose);
+                let pair: Pair = found.pair(a, b);
+                // All pairs that are found meet.
+                if let Some(contact) = Contact::of(pair, &moved, &b.primitive(found.b)) {
+                    *place = contact;
+                    count += 1;
+                }
+                ControlFlow::Continue(())
+            })
+        });
+        let completion = match stop {
+            None => Completion::Complete,
+            Some(_) if is_full => Completion::Stopped,
+            Some(_) => Completion::OutOfBudget,
+        };
+        Contacts { count, completion, stats }
+    }
+}

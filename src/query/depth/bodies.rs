@@ -1,0 +1,329 @@
+//! What a depth query asks of two bodies: are they free after a translation, how far are they apart then, and which
+//! translations near another are certainly not free?
+//!
+//! # Forbidden translations
+//!
+//! Let a ball of radius r about c lie inside of solid A, and one of radius r' about c' inside of solid B. After every
+//! translation t of A with `|c + t - c'| < r + r'` the balls overlap, and so do the solids. Two kinds of balls are used:
+//! those of the packings, and balls about one point q of A, at the place where the translation x puts it, as large as
+//! the distance of that point from either surface allows. The latter forbid all translations nearer to x than the sum of
+//! their radii.
+//!
+//! The radii are rounded down. A pose whose matrix is not quite a rotation shortens lengths by at most
+//! [`Pose::skew`] relatively. [`Pose::apply`], and the sum of two translations, move a corner by less than `2^-47 (c +
+//! abs(t))` and [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) per axis, where c is the largest coordinate of A and t
+//! the translation; a surface that moves by less than its distance from a point winds around the point as before.
+//! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
+
+use super::interval::OutOfBudget;
+use super::packings::{self, DeepestPair, Packings};
+use crate::exact::power_of_two;
+use crate::hierarchy::BvhRef;
+use crate::pose::Pose;
+use crate::primitive::{Primitive, Separation, Shapes};
+use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, Verdict};
+use crate::query::lanes::Lanes;
+use crate::query::setup::reach;
+use crate::range::{MAX_COORDINATE, Point};
+use crate::vector::{difference, dot, length};
+use core::ops::ControlFlow;
+
+const ROUNDING: f64 = power_of_two(-44);
+/// Far above the least coordinate, and far below anything of a body.
+const LEAST: f64 = power_of_two(-240);
+
+/// Balls about one point inside of both bodies.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Shared {
+    /// All translations nearer than this to the one asked for are forbidden. Rounded down.
+    pub(super) radius: f64,
+    /// The point, in A's frame.
+    pub(super) point: Point,
+    /// From the surface of B to the point, and from that of A, in B's frame, of length 1.
+    pub(super) inwards: [Point; 2],
+    /// The radii of the two balls.
+    radii: [f64; 2],
+}
+
+pub(super) struct Bodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
+    pub(super) query: Query,
+    pub(super) a: &'t BvhRef<'t, N, P>,
+    pub(super) b: &'t BvhRef<'t, N, Q>,
+    pub(super) pose: &'t Pose,
+    pub(super) packings: Option<&'t Packings<'t, N>>,
+    pub(super) stats: QueryStats,
+    pub(super) hint: Hint,
+}
+
+impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> Bodies<'_, N, P, Q>
+where
+    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+{
+    /// The pose after a translation; `None` if it is out of range.
+    pub(super) fn at(&self, t: &Point) -> Option<Pose> {
+        let pose = self.pose.shifted(t);
+        pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
+    }
+
+    /// Whether the bodies are free after a translation, by the exact query.
+    pub(super) fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok(false) };
+        let answer = self.query.after(&self.stats).with_hint(self.hint).collide(self.a, self.b, &pose);
+        self.stats = self.stats.and(&answer.stats);
+        match answer.verdict {
+            Verdict::Free => Ok(true),
+            Verdict::Hit(_) => {
+                self.hint = answer.hint;
+                Ok(false)
+            }
+            Verdict::Unknown { .. } => Err(OutOfBudget),
+        }
+    }
+
+    /// A lower bound of the distance after a translation, and the unit vector from the nearest point of B to that of A.
+    /// `None` if the bodies meet.
+    pub(super) fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok(None) };
+        let found =
+            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
+        let Ok(found) = found else { return Ok(None) };
+        self.stats = self.stats.and(&found.stats);
+        if found.completion != Completion::Complete {
+            return Err(OutOfBudget);
+        }
+        let Some(witness) = found.witness.filter(|_| found.lower > 0.0) else { return Ok(None) };
+        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (found.lower, normal)))
+    }
+
+    /// How far a translation along any direction is enough: the balls around the bodies are then apart.
+    pub(super) fn far(&self) -> f64 {
+        let (a, b) = (self.a.extent(), self.b.extent());
+        let apart = length(&difference(&self.pose.unflushed(&a.frame.centre), &b.frame.centre));
+        1.01 * (a.radius + b.radius + apart)
+    }
+
+    fn slack(&self, t: &Point) -> f64 {
+        let coordinates = reach(self.a, self.b, self.pose) + t.iter().fold(0.0, |sum, x| sum + x.abs());
+        ROUNDING * coordinates + LEAST
+    }
+
+    /// A translation's forbidden neighbourhood: a radius, and a point in both bodies. Tries the packings, and then
+    /// `steps` points on the way from the best of the seed and the place of the packings; without these, from where the
+    /// bodies are likely to overlap. The radius is 0 or less if nothing is known to be forbidden.
+    pub(super) fn forbidden(
+        &mut self,
+        t: &Point,
+        seed: Option<Point>,
+        steps: usize,
+    ) -> Result<(f64, Option<Shared>), OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
+        let (mut radius, mut of_packings) = (0.0, None);
+        if let Some(packings) = self.packings {
+            let budget = self.query.budget();
+            if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
+                radius = pair.depth - self.pose.skew() * pair.a.radius - self.slack(t);
+                of_packings = Some(self.middle_of_lens(&pair, &pose));
+            }
+        }
+        let mut best = self.best_of([seed, of_packings], &pose, t)?;
+        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
+            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
+            best = self.best_of(seeds, &pose, t)?;
+        }
+        if let Some(start) = best {
+            let found = self.widened(start, &pose, t, steps)?;
+            (radius, best) = (f64::max(radius, found.radius), Some(found));
+        }
+        Ok((radius, best))
+    }
+
+    fn best_of(
+        &mut self,
+        seeds: [Option<Point>; 2],
+        pose: &Pose,
+        t: &Point,
+    ) -> Result<Option<Shared>, OutOfBudget> {
+        let mut best: Option<Shared> = None;
+        for point in seeds.into_iter().flatten() {
+            if let Some(found) = self.shared(&point, pose, t, [true; 2])?
+                && best.is_none_or(|best| found.radius > best.radius)
+            {
+                best = Some(found);
+            }
+        }
+        Ok(best)
+    }
+
+    /// The middle of what two spheres share, in A's frame.
+    fn middle_of_lens(&self, pair: &DeepestPair, pose: &Pose) -> Point {
+        let apart = difference(&pair.b.centre, &pose.unflushed(&pair.a.centre));
+        let far = length(&apart);
+        // On the way from the centre in A to that in B.
+        let middle = 0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius));
+        let share = if far > 0.0 { f64::max(middle, 0.0) / far } else { 0.0 };
+        let back = self.turned_back(&apart);
+        core::array::from_fn(|i| pair.a.centre[i] + share * back[i])
+    }
+
+    /// The middle of what the bodies' boxes share, along the axes of B's frame, in A's frame.
+    fn middle_of_boxes(&self, pose: &Pose) -> Option<Point> {
+        let (a, b) = (self.a.extent(), self.b.extent());
+        let [of_a, of_b] = [&a, &b].map(|body| body.half_width.map(|x| f64::from(x) / body.frame.scale()));
+        let centre = pose.unflushed(&a.frame.centre);
+        let mut middle = [0.0; 3];
+        for i in 0..3 {
+            let wide = dot(&pose.rows()[i].map(f64::abs), &of_a);
+            let low = f64::max(centre[i] - wide, b.frame.centre[i] - of_b[i]);
+            let high = f64::min(centre[i] + wide, b.frame.centre[i] + of_b[i]);
+            if low > high {
+                return None;
+            }
+            middle[i] = 0.5 * (low + high);
+        }
+        Some(self.in_a(&middle, pose))
+    }
+
+    /// A point of B's frame in A's, up to rounding and the deviation of the matrix.
+    fn in_a(&self, point: &Point, pose: &Pose) -> Point {
+        let centre = self.a.frame().centre;
+        let back = self.turned_back(&difference(point, &pose.unflushed(&centre)));
+        core::array::from_fn(|i| centre[i] + back[i])
+    }
+
+    /// Moves the point away from both surfaces while its balls grow.
+    fn widened(
+        &mut self,
+        start: Shared,
+        pose: &Pose,
+        t: &Point,
+        steps: usize,
+    ) -> Result<Shared, OutOfBudget> {
+        let (mut best, mut step) = (start, 0.3 * start.radius);
+        for _ in 0..steps {
+            let [from_b, from_a] = &best.inwards;
+            let slope: Point = core::array::from_fn(|i| from_b[i] + from_a[i]);
+            // The sum of both distances grows at most this fast: the directions oppose each other.
+            if dot(&slope, &slope) < FLAT {
+                break;
+            }
+            let Some(along) = unit(&slope) else { break };
+            let back = self.turned_back(&along);
+            let point = core::array::from_fn(|i| best.point[i] + step * back[i]);
+            // Within a ball inside of a body, the point is inside.
+            let is_unknown = best.radii.map(|radius| step > 0.99 * radius);
+            match self.shared(&point, pose, t, is_unknown)? {
+                Some(found) if found.radius > best.radius => (best, step) = (found, 1.4 * step),
+                _ => step *= 0.4,
+            }
+            if step < 0.01 * best.radius {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// A vector of B's frame in A's.
+    fn turned_back(&self, v: &Point) -> Point {
+        let r = self.pose.rows();
+        core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
+    }
+
+    /// The balls about a point of A. `None` if it is not inside of both bodies; `is_unknown` of A and B: whether that
+    /// has to be asked.
+    fn shared(
+        &mut self,
+        point: &Point,
+        pose: &Pose,
+        t: &Point,
+        is_unknown: [bool; 2],
+    ) -> Result<Option<Shared>, OutOfBudget> {
+        let moved = pose.apply(*point);
+        let Some(in_b) = self.query.inside(self.b, &moved, is_unknown[1], &mut self.stats)? else {
+            return Ok(None);
+        };
+        let Some(in_a) = self.query.inside(self.a, point, is_unknown[0], &mut self.stats)? else {
+            return Ok(None);
+        };
+        let of_a = in_a.lower * (1.0 - self.pose.skew());
+        let sum = of_a + in_b.lower;
+        let from_a = self.pose.rotate(&difference(&in_a.a, &in_a.b));
+        let (Some(from_b), Some(from_a)) = (unit(&difference(&in_b.a, &in_b.b)), unit(&from_a)) else {
+            return Ok(None);
+        };
+        let slack = self.slack(t);
+        Ok(Some(Shared {
+            radius: sum - slack,
+            point: *point,
+            inwards: [from_b, from_a],
+            radii: [in_a.lower - slack, in_b.lower - slack],
+        }))
+    }
+
+    /// The middle of the primitives that meet, of at most [`MOST_PAIRS`], in A's frame.
+    fn middle_of_contact(&mut self, pose: &Pose) -> Result<Option<Point>, OutOfBudget> {
+        let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
+        let (a, b) = (self.a, self.b);
+        let (completion, stats) =
+            self.query.after(&self.stats).for_each_leaf_pair(a, b, pose, &mut |i, j| {
+                let (moved, still) = (P::moved(&a.primitive(i), pose), b.primitive(j));
+                for corner in P::corners(&moved).chain(Q::corners(&still)) {
+                    sum = core::array::from_fn(|i| sum[i] + corner[i]);
+                    count += 1.0;
+                }
+                pairs += 1;
+                if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+        self.stats = self.stats.and(&stats);
+        if completion == Completion::OutOfBudget {
+            return Err(OutOfBudget);
+        }
+        Ok((count > 0.0).then(|| self.in_a(&sum.map(|x| x / count), pose)))
+    }
+}
+
+const MOST_PAIRS: u32 = 512;
+/// Of a distance on the way to the bodies, relatively.
+const ROUGH: f64 = power_of_two(-10);
+/// The square of a slope that is not worth a step.
+const FLAT: f64 = power_of_two(-12);
+
+/// A vector of length 1; `None` if it has no direction.
+pub(super) fn unit(v: &Point) -> Option<Point> {
+    let size = v.iter().fold(0.0, |size: f64, x| f64::max(size, x.abs()));
+    if size == 0.0 || !size.is_finite() {
+        return None;
+    }
+    let scaled = v.map(|x| x / size);
+    let long = length(&scaled);
+    Some(scaled.map(|x| x / long))
+}
+
+impl Query {
+    /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is
+    /// not solid or the point is not inside, which is only asked if it is unknown.
+    fn inside<N: Lanes, P: Primitive>(
+        &self,
+        solid: &BvhRef<'_, N, P>,
+        point: &Point,
+        is_unknown: bool,
+        stats: &mut QueryStats,
+    ) -> Result<Option<Separation>, OutOfBudget>
+    where
+        Shapes: PrimitivePair<P>,
+    {
+        if !solid.is_solid() {
+            return Ok(None);
+        }
+        if is_unknown && self.inside_of_solid(solid, point, stats).map_err(|_| OutOfBudget)?.is_none() {
+            return Ok(None);
+        }
+        let mut nearest = self.to_surface(point, solid, stats).ok_or(OutOfBudget)?;
+        if let Some(caps) = solid.caps() {
+            let cap = self.to_surface(point, &caps, stats).ok_or(OutOfBudget)?;
+            if cap.is_some_and(|cap| nearest.is_none_or(|nearest| cap.lower < nearest.lower)) {
+                nearest = cap;
+            }
+        }
+        Ok(nearest.filter(|nearest| nearest.lower > 0.0))
+    }
+}

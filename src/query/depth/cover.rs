@@ -1,0 +1,200 @@
+//! The lower bound of the depth: how far the union of the forbidden translations reaches in every direction.
+//!
+//! The sphere of directions is divided into triangles, at first the eight faces of an octahedron. Each has a *reach*:
+//! all translations in its directions that are shorter are forbidden. The least reach of all is the lower bound. A step
+//! takes the triangle with the least reach s, and asks for the forbidden neighbourhood of the translation `x = s u`
+//! along its middle u. If its radius is f, and no direction v of the triangle is farther than d from u, then
+//!
+//! ```text
+//! |s' v - s u| <= (s' - s) + s |v - u| <= (s' - s) + s d  for s' >= s
+//! ```
+//!
+//! is below f for all s' below `s + f - s d`, the new reach. If much of f is lost to the width of the triangle, it is
+//! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
+//! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
+
+use super::bodies::{Bodies, unit};
+use super::interval::OutOfBudget;
+use crate::exact::power_of_two;
+use crate::primitive::Shapes;
+use crate::query::entry::PrimitivePair;
+use crate::query::lanes::Lanes;
+use crate::range::Point;
+use crate::vector::{difference, length};
+
+/// A triangle of directions.
+#[derive(Copy, Clone)]
+struct Part {
+    reach: f64,
+    /// A one, the number of the face, and two bits for each level of the division.
+    path: u32,
+    /// A point that was in both bodies after a translation in this direction, in A's frame.
+    seed: Option<Point>,
+}
+
+const MOST_PARTS: usize = 256;
+const MOST_LEVELS: u32 = 8;
+const MOST_STEPS: u32 = 1024;
+/// Points that are tried for each translation.
+const POINTS: usize = 4;
+/// A gain of less than this fraction of the reach ends the search.
+const GAIN: f64 = power_of_two(-8);
+/// Covers the roundings of directions and products, relative to a translation.
+const ROUNDING: f64 = power_of_two(-48);
+
+pub(super) struct Cover {
+    parts: [Part; MOST_PARTS],
+    len: usize,
+    steps: u32,
+    /// Whether no step raises the bound any more.
+    pub(super) is_final: bool,
+}
+
+impl Cover {
+    /// From the radius of the forbidden neighbourhood of no translation.
+    pub(super) fn new(radius: f64, seed: Option<Point>) -> Self {
+        let reach = f64::max(radius, 0.0);
+        let mut parts = [Part { reach, path: 0, seed }; MOST_PARTS];
+        for (part, path) in parts.iter_mut().zip(8..16) {
+            part.path = path;
+        }
+        Self { parts, len: 8, steps: 0, is_final: reach <= 0.0 }
+    }
+
+    fn least(&self) -> usize {
+        let before = |i: usize, j: usize| {
+            let key = |part: &Part| (part.reach, part.path);
+            if key(&self.parts[j]) < key(&self.parts[i]) { j } else { i }
+        };
+        (1..self.len).fold(0, before)
+    }
+
+    /// All shorter translations are forbidden.
+    pub(super) fn lower(&self) -> f64 {
+        self.parts[self.least()].reach
+    }
+
+    /// The middle of the directions of least reach.
+    pub(super) fn weakest(&self) -> Option<Point> {
+        middle(&corners(self.parts[self.least()].path))
+    }
+
+    /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
+    pub(super) fn step<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &mut self,
+        bodies: &mut Bodies<'_, N, P, Q>,
+    ) -> Result<(), OutOfBudget>
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        let at = self.least();
+        let Part { reach, path, seed } = self.parts[at];
+        let corners = corners(path);
+        let Some(along) = middle(&corners).filter(|_| self.steps < MOST_STEPS) else {
+            self.is_final = true;
+            return Ok(());
+        };
+        let (radius, shared) = bodies.forbidden(&along.map(|x| x * reach), seed, POINTS)?;
+        self.steps += 1;
+        let width =
+            corners.iter().fold(0.0, |width, corner| f64::max(width, length(&difference(corner, &along))));
+        let spread = reach * (width + ROUNDING);
+        let part = &mut self.parts[at];
+        part.reach = f64::max(reach, (reach + (radius - spread)) * (1.0 - f64::EPSILON));
+        part.seed = shared.map_or(seed, |shared| Some(shared.point));
+        if radius <= GAIN * reach {
+            self.is_final = true;
+        } else if spread > 0.5 * radius {
+            self.divide(at);
+        }
+        Ok(())
+    }
+
+    fn divide(&mut self, at: usize) {
+        let part = self.parts[at];
+        if self.len + 3 > MOST_PARTS || part.path.ilog2() >= 3 + 2 * MOST_LEVELS {
+            self.is_final = true;
+            return;
+        }
+        self.parts[at].path = part.path << 2;
+        for child in 1..4 {
+            self.parts[self.len] = Part { path: part.path << 2 | child, ..part };
+            self.len += 1;
+        }
+    }
+}
+
+/// The corners of a part.
+fn corners(path: u32) -> [Point; 3] {
+    let levels = (path.ilog2() - 3) / 2;
+    let face = path >> (2 * levels);
+    let axis = |i: usize| {
+        let mut axis = [0.0; 3];
+        axis[i] = if face >> i & 1 == 0 { 1.0 } else { -1.0 };
+        axis
+    };
+    let mut corners = [axis(0), axis(1), axis(2)];
+    for level in (0..levels).rev() {
+        let [p, q, r] = corners;
+        let [a, b, c] = [halfway(&q, &r), halfway(&r, &p), halfway(&p, &q)];
+        corners = match path >> (2 * level) & 3 {
+            0 => [a, b, c],
+            1 => [p, c, b],
+            2 => [c, q, a],
+            _ => [b, a, r],
+        };
+    }
+    corners
+}
+
+/// The same for both orders of the ends, so that neighbours have common corners.
+fn halfway(p: &Point, q: &Point) -> Point {
+    let sum = core::array::from_fn(|i| p[i] + q[i]);
+    unit(&sum).unwrap_or(sum)
+}
+
+fn middle([p, q, r]: &[Point; 3]) -> Option<Point> {
+    unit(&core::array::from_fn(|i| (p[i] + q[i]) + r[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use crate::vector::{cross, dot};
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    /// Every direction is in some part of a divided sphere, and no farther from its middle than a corner.
+    #[test]
+    fn parts_cover_all_directions() {
+        let mut rng = Rng::new(5);
+        let mut paths: Vec<u32> = (8..16).collect();
+        for _ in 0..60 {
+            let at = rng.below(paths.len() as u64) as usize;
+            let path = paths.swap_remove(at);
+            paths.extend((0..4).map(|child| path << 2 | child));
+        }
+        let mut inside = vec![0; paths.len()];
+        for _ in 0..20_000 {
+            let Some(u) = unit(&[(); 3].map(|()| rng.range(-1.0, 1.0))) else { continue };
+            let mut found = false;
+            for (path, count) in paths.iter().zip(&mut inside) {
+                let [p, q, r] = corners(*path);
+                let sides = [(&p, &q), (&q, &r), (&r, &p)].map(|(p, q)| dot(&cross(p, q), &u));
+                let near = dot(&u, &p) > 0.0 || dot(&u, &q) > 0.0;
+                let is_in = near && (sides.iter().all(|x| *x >= 0.0) || sides.iter().all(|x| *x <= 0.0));
+                if is_in {
+                    let middle = middle(&[p, q, r]).unwrap_or_default();
+                    let width =
+                        [p, q, r].map(|p| length(&difference(&p, &middle))).into_iter().fold(0.0, f64::max);
+                    assert!(length(&difference(&u, &middle)) <= width + ROUNDING, "{path:b}");
+                    *count += 1;
+                    found = true;
+                }
+            }
+            assert!(found, "{u:?}");
+        }
+        assert!(inside.iter().filter(|count| **count > 0).count() > paths.len() / 2);
+    }
+}

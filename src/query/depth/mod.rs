@@ -1,0 +1,195 @@
+//! How deep two bodies are in each other: the least translation that takes one out of the other, as a certain interval.
+//!
+//! The upper bound is the length of a translation after which the exact query finds the bodies to be free. The lower
+//! bound is the radius of a ball of translations that are all forbidden, by balls inside of both bodies.
+
+mod bodies;
+mod cover;
+mod interval;
+mod packings;
+mod signed;
+mod way_out;
+
+pub use interval::DepthInterval;
+pub use packings::Packings;
+pub use signed::SignedDistance;
+
+use super::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
+use super::lanes::Lanes;
+use crate::hierarchy::{AsBvh, with_bvhs};
+use crate::pose::Pose;
+use crate::primitive::shape::depth;
+use crate::primitive::{Primitive, Shape, Shapes};
+use crate::range::Point;
+use bodies::Bodies;
+use cover::Cover;
+use interval::OutOfBudget;
+use way_out::WayOut;
+
+impl Query {
+    /// How far body `a`, placed by `pose` in the frame of body `b`, has to be translated at least until it is apart from
+    /// `b` or touches it.
+    ///
+    /// The bodies are [solid](crate::construct::Builder::solid): of others the lower bound is 0, unless `packings` says
+    /// what is inside of them. Of solid triangles, packings are a help: they start the search for balls inside of both
+    /// bodies. Of bodies of spheres, the packing of a body may be the body itself. Packings need trees with balls.
+    ///
+    /// The search is anytime: with a larger [budget](Query::with_budget) neither bound is worse. It ends by itself where
+    /// the bounds meet, or when it finds nothing better. The bounds are the same on every instruction set. The hint is
+    /// tried first.
+    ///
+    /// ```
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
+    /// let vertices: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|x| 2.0 * f64::from(x))).collect();
+    /// let triangles = [
+    ///     [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+    ///     [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+    /// ];
+    /// let cube = Builder::new().solid().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// let query = Query::new(Isa::detect());
+    /// let pose = Pose::from_rows([[1.0, 0.0, 0.0, 1.5], [0.0, 1.0, 0.0, 0.25], [0.0, 0.0, 1.0, 0.25]])?;
+    /// let depth = query.depth(&cube, &cube, &pose, None);
+    /// assert!(depth.lower <= 0.5 && 0.5 <= depth.upper && depth.upper < 0.5 + 1e-9);
+    /// assert!(depth.lower > 0.49 && depth.translation[0] > 0.5 - 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn depth<A: AsBvh, B: AsBvh<Node = A::Node>>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        packings: Option<&Packings<'_, A::Node>>,
+    ) -> DepthInterval
+    where
+        A::Node: Lanes,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
+        Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
+    {
+        with_bvhs(a, b, |a, b| {
+            let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
+            let mut bodies = Bodies { query, a, b, pose, packings, stats, hint: self.hint };
+            let mut found = Bounds { lower: 0.0, way: WayOut::new() };
+            let completion = match search(&mut bodies, &mut found) {
+                Ok(()) => Completion::Complete,
+                Err(OutOfBudget) => Completion::OutOfBudget,
+            };
+            let Bounds { lower, way: WayOut { upper, translation, .. } } = found;
+            let lower = if lower < upper { lower } else { upper };
+            DepthInterval { lower, upper, translation, completion, stats: bodies.stats }
+        })
+    }
+
+    /// How far body `a`, placed by `pose` in the frame of body `b`, has to be translated along `direction` until it does
+    /// not meet `b` any more, however far it goes on: an upper bound that exceeds the least such translation by at most
+    /// about 2^-30 of it. [`Query::collide`] finds the bodies to be free after it. Zero for bodies that are free there,
+    /// and infinite if the budget was spent or the direction is zero or not finite.
+    ///
+    /// For the depth of a contact [patch](super::Patch) along its normal.
+    pub fn depth_along<A: AsBvh, B: AsBvh<Node = A::Node>>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        direction: Point,
+    ) -> (f64, QueryStats)
+    where
+        A::Node: Lanes,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
+        Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
+    {
+        with_bvhs(a, b, |a, b| {
+            let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
+            let mut bodies = Bodies { query, a, b, pose, packings: None, stats, hint: Hint::NONE };
+            let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
+            (far, bodies.stats)
+        })
+    }
+
+    /// [`Query::depth`] of two shapes: the bounds differ by at most `tolerance` times the upper one, or by rounding (see
+    /// [`depth`]).
+    pub fn depth_shapes(&self, a: &Shape, b: &Shape, pose: &Pose, tolerance: f64) -> DepthInterval {
+        let found = depth(&a.moved(pose), b, tolerance);
+        let stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        DepthInterval {
+            lower: found.lower,
+            upper: found.upper,
+            translation: found.direction.map(|x| if found.upper > 0.0 { x * found.upper } else { 0.0 }),
+            completion: Completion::Complete,
+            stats,
+        }
+    }
+}
+
+/// What a search has found.
+struct Bounds {
+    lower: f64,
+    way: WayOut,
+}
+
+/// Points that are tried for the first, untranslated place.
+const FIRST_POINTS: usize = 16;
+/// Steps of the lower bound for each direction that is tried for the upper one.
+const STEPS: usize = 4;
+/// Visits of the penetration volume, for its direction.
+const VOLUME_VISITS: u64 = 256;
+/// Bounds as near as this are not refined.
+const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
+
+/// What a search does never depends on how much budget is left, so that more budget only goes on.
+fn search<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+    bodies: &mut Bodies<'_, N, P, Q>,
+    found: &mut Bounds,
+) -> Result<(), OutOfBudget>
+where
+    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+{
+    if bodies.is_free(&[0.0; 3])? {
+        found.way.upper = 0.0;
+        return Ok(());
+    }
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
+    let mut cover = Cover::new(radius, shared.map(|shared| shared.point));
+    found.lower = cover.lower();
+    let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
+    // The point leaves B, and B's point leaves A.
+    found.way.try_along(&from_b.map(|x| -x), bodies)?;
+    found.way.try_along(&from_a, bodies)?;
+    if let Some(direction) = volume_direction(bodies)? {
+        found.way.try_along(&direction, bodies)?;
+    }
+    while found.lower * TIGHT < found.way.upper {
+        for _ in 0..STEPS {
+            if !cover.is_final {
+                cover.step(bodies)?;
+                found.lower = cover.lower();
+            }
+        }
+        if !cover.is_final
+            && let Some(weakest) = cover.weakest()
+        {
+            found.way.try_along(&weakest, bodies)?;
+        }
+        if found.way.is_exhausted() && cover.is_final {
+            break;
+        }
+        found.way.try_next(bodies)?;
+    }
+    Ok(())
+}
+
+/// The direction of the penetration volume of the packings.
+fn volume_direction<N: Lanes, P: Primitive, Q: Primitive>(
+    bodies: &mut Bodies<'_, N, P, Q>,
+) -> Result<Option<Point>, OutOfBudget> {
+    let Some(Packings { a, b }) = bodies.packings else { return Ok(None) };
+    let rest = bodies.query.after(&bodies.stats).budget();
+    let few = if rest < VOLUME_VISITS { rest } else { VOLUME_VISITS };
+    let found = bodies.query.with_budget(few).penetration(a, b, bodies.pose);
+    bodies.stats = bodies.stats.and(&found.stats);
+    if found.completion == Completion::OutOfBudget && few < VOLUME_VISITS {
+        return Err(OutOfBudget);
+    }
+    Ok(Some(found.direction))
+}

@@ -1,0 +1,145 @@
+//! The deepest pair of spheres of two packings.
+
+use super::interval::OutOfBudget;
+use crate::hierarchy::BvhRef;
+use crate::node::{Link, Node};
+use crate::pose::Pose;
+use crate::primitive::{Sphere, Spheres};
+use crate::range::Point;
+use crate::vector::{difference, length};
+
+/// Spheres inside of two solids, as trees with [balls](BvhRef::balls), in the frames of their bodies: those of a
+/// [packing](crate::packing), which are certainly inside. A depth query relies on it.
+#[derive(Copy, Clone, Debug)]
+pub struct Packings<'p, N> {
+    /// Inside of body A.
+    pub a: BvhRef<'p, N, Spheres>,
+    /// Inside of body B.
+    pub b: BvhRef<'p, N, Spheres>,
+}
+
+/// Two spheres that overlap.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct DeepestPair {
+    /// How much the radii exceed the distance of the centres, up to rounding.
+    pub(super) depth: f64,
+    /// In A's frame.
+    pub(super) a: Sphere,
+    pub(super) b: Sphere,
+}
+
+/// What a lane bounds, in B's frame.
+#[derive(Copy, Clone)]
+struct Volume {
+    centre: Point,
+    radius: f64,
+    link: Link,
+}
+
+#[derive(Copy, Clone)]
+struct Waiting {
+    bound: f64,
+    a: Volume,
+    b: Volume,
+}
+
+const ROOT: Volume = Volume { centre: [0.0; 3], radius: f64::INFINITY, link: Link::Inner(0) };
+
+/// Pending pairs. If there is no room, those of the least bounds are dropped: the pair found may then be less deep.
+const MOST_WAITING: usize = 96;
+/// Likewise, the search ends after this many visits.
+const MOST_VISITS: u64 = 96;
+
+/// The deepest pair of spheres, those of A moved by the pose, best first. `None` if none overlap.
+pub(super) fn deepest<N: Node>(
+    packings: &Packings<'_, N>,
+    pose: &Pose,
+    visits: &mut u64,
+    budget: u64,
+) -> Result<Option<DeepestPair>, OutOfBudget> {
+    let Packings { a, b } = packings;
+    if a.balls().is_empty() || b.balls().is_empty() {
+        return Ok(None);
+    }
+    let mut waiting = [Waiting { bound: f64::INFINITY, a: ROOT, b: ROOT }; MOST_WAITING];
+    let (mut len, mut best, mut depth) = (1, None, 0.0);
+    for _ in 0..MOST_VISITS {
+        let next = waiting[..len].iter().enumerate().fold((0.0, None), |most, (i, pair)| {
+            if pair.bound > most.0 { (pair.bound, Some(i)) } else { most }
+        });
+        let (bound, Some(at)) = next else { break };
+        if bound <= depth {
+            break;
+        }
+        if *visits == budget {
+            return Err(OutOfBudget);
+        }
+        *visits += 1;
+        let Waiting { a: of_a, b: of_b, .. } = waiting[at];
+        len -= 1;
+        waiting[at] = waiting[len];
+        let is_a_opened = matches!(of_a.link, Link::Inner(_))
+            && (of_a.radius >= of_b.radius || !matches!(of_b.link, Link::Inner(_)));
+        let mut add = |a: Volume, b: Volume| {
+            let bound = a.radius + b.radius - length(&difference(&a.centre, &b.centre));
+            if let (Some(i), Some(j)) = (sphere(&a), sphere(&b)) {
+                if bound > depth {
+                    (depth, best) = (bound, Some((i, j)));
+                }
+            } else if bound > depth {
+                let least = |i: usize, j: usize| if waiting[j].bound < waiting[i].bound { j } else { i };
+                let place = if len < MOST_WAITING { len } else { (1..len).fold(0, least) };
+                if place == len {
+                    len += 1;
+                } else if waiting[place].bound >= bound {
+                    return;
+                }
+                waiting[place] = Waiting { bound, a, b };
+            }
+        };
+        if is_a_opened {
+            children(a, &of_a, Some(pose), &mut |child| add(child, of_b));
+        } else {
+            children(b, &of_b, None, &mut |child| add(of_a, child));
+        }
+    }
+    Ok(best.map(|(i, j)| DeepestPair { depth, a: a.primitive(i), b: b.primitive(j) }))
+}
+
+/// The index of a volume that is one sphere.
+const fn sphere(volume: &Volume) -> Option<u32> {
+    if let Link::Leaf { first, .. } = volume.link { Some(first) } else { None }
+}
+
+/// The children of a node; the spheres of leaves one by one.
+fn children<N: Node>(
+    tree: &BvhRef<'_, N, Spheres>,
+    of: &Volume,
+    pose: Option<&Pose>,
+    visit: &mut dyn FnMut(Volume),
+) {
+    let Link::Inner(node) = of.link else { return };
+    let place = |p: Point| pose.map_or(p, |pose| pose.unflushed(&p));
+    let (frame, balls) = (tree.frame(), &tree.balls()[node as usize]);
+    let unscale = 1.0 / frame.scale();
+    for (lane, child) in tree.nodes()[node as usize].children().iter().enumerate() {
+        match child.link() {
+            Link::Empty => {}
+            link @ Link::Inner(_) => {
+                let ball = balls.lane(lane);
+                let centre = core::array::from_fn(|i| frame.centre[i] + f64::from(ball.centre[i]) * unscale);
+                visit(Volume { centre: place(centre), radius: f64::from(ball.radius) * unscale, link });
+            }
+            link @ Link::Leaf { .. } => {
+                for index in link.primitives() {
+                    let Sphere { centre, radius } = tree.primitive(index);
+                    visit(Volume {
+                        centre: place(centre),
+                        radius,
+                        link: Link::Leaf { first: index, count: 1 },
+                    });
+                }
+            }
+        }
+    }
+}

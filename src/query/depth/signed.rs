@@ -1,0 +1,101 @@
+//! The signed distance: positive where two bodies are apart, minus their depth where they are not.
+
+use super::Packings;
+use super::bodies::unit;
+use crate::hierarchy::AsBvh;
+use crate::pose::Pose;
+use crate::primitive::Shapes;
+use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
+use crate::query::lanes::Lanes;
+use crate::range::Point;
+use crate::vector::{cross, difference};
+
+/// The signed distance of two bodies, which lies in `lower ..= upper`.
+#[must_use = "a query has no other effect than its answer"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct SignedDistance {
+    /// Lower bound, in the bodies' unit: of bodies that meet, minus the upper bound of their depth.
+    pub lower: f64,
+    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    pub upper: f64,
+    /// The unit vector along which a translation of A raises the distance the fastest: from the point of B to that of A
+    /// where they are apart, along the translation of the depth where they are not. Zeros if none is known.
+    pub normal: Point,
+    /// The point of A, in B's frame: the nearest to B, or the one that touches B last when A leaves along the normal.
+    pub a: Point,
+    /// The point of B.
+    pub b: Point,
+    /// The derivative by the pose, of the distance between the two points along the normal: three numbers for a
+    /// translation of A along the axes of B's frame, then three for a rotation of A about them, through the origin of
+    /// B's frame, in radians. It is that of the distance wherever that is smooth; of bodies that meet, that of the
+    /// translation found, whose length is `-lower`.
+    pub gradient: [f64; 6],
+    /// [`Completion::OutOfBudget`] if the search was cut short. The bounds are valid in either case.
+    pub completion: Completion,
+    /// The work.
+    pub stats: QueryStats,
+}
+
+impl Query {
+    /// The [distance](Query::distance) of body `a`, placed by `pose` in the frame of body `b`, from `b` where they are
+    /// apart, and minus their [depth](Query::depth) where they meet, with its derivative by the pose.
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `tolerance`, which is that of the distance, is negative, infinite or NaN.
+    pub fn signed_distance<A: AsBvh, B: AsBvh<Node = A::Node>>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        tolerance: f64,
+        packings: Option<&Packings<'_, A::Node>>,
+    ) -> Result<SignedDistance, ToleranceError>
+    where
+        A::Node: Lanes,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
+        Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
+    {
+        let apart = self.distance(a, b, pose, tolerance)?;
+        let mut stats = apart.stats;
+        if !matches!(apart.verdict(), Verdict::Hit(_)) {
+            let [p, q] = apart.witness.map_or([[0.0; 3]; 2], |witness| [witness.a, witness.b]);
+            let normal = unit(&difference(&p, &q)).unwrap_or_default();
+            let (lower, upper, completion) = (apart.lower, apart.upper, apart.completion);
+            return Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, p, q) });
+        }
+        let depth = self.after(&stats).with_hint(apart.hint).depth(a, b, pose, packings);
+        stats = stats.and(&depth.stats);
+        let (mut points, mut completion) = ([[0.0; 3]; 2], depth.completion);
+        let outside = pose.shifted(&depth.translation);
+        if depth.upper < f64::INFINITY {
+            let touching = self.after(&stats).with_hint(Hint::NONE).distance(a, b, &outside, tolerance)?;
+            stats = stats.and(&touching.stats);
+            if touching.completion != Completion::Complete {
+                completion = touching.completion;
+            }
+            if let Some(witness) = touching.witness {
+                points = [difference(&witness.a, &depth.translation), witness.b];
+            }
+        }
+        let normal = unit(&depth.translation).unwrap_or_default();
+        let (lower, upper) = (-depth.upper, -depth.lower);
+        Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, points[0], points[1]) })
+    }
+
+    /// What follows from the normal and the points.
+    fn along(normal: Point, a: Point, b: Point) -> SignedDistance {
+        // A rotation by w moves the point by w x a, and the distance by n . (w x a) = w . (a x n).
+        let [[x, y, z], [p, q, r]] = [normal, cross(&a, &normal)];
+        SignedDistance {
+            lower: 0.0,
+            upper: 0.0,
+            normal,
+            a,
+            b,
+            gradient: [x, y, z, p, q, r],
+            completion: Completion::Complete,
+            stats: QueryStats::default(),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! The upper bound of the depth: the shortest translation found after which the bodies are free.
+//!
+//! From a free place outside, a descent approaches the bodies. At the place t, where they are a gap g apart and n points
+//! from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the origin of those that the plane
+//! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
+//! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
+
+use super::bodies::{Bodies, unit};
+use super::interval::OutOfBudget;
+use crate::exact::power_of_two;
+use crate::primitive::Shapes;
+use crate::query::entry::PrimitivePair;
+use crate::query::lanes::Lanes;
+use crate::range::Point;
+use crate::vector::{cross, dot, length};
+
+/// The best translation so far, and the directions that are still to be tried.
+pub(super) struct WayOut {
+    pub(super) upper: f64,
+    pub(super) translation: Point,
+    /// Number of fixed directions tried.
+    fixed: usize,
+    /// Number of directions tried about the best one since it changed, and how far from it.
+    beside: usize,
+    reach: f64,
+}
+
+/// A descent begins at this fraction of the best translation's length.
+const SHORTER: f64 = 0.98;
+const MOST_STEPS: usize = 24;
+/// A descent ends at a gap of this fraction of the translation.
+const TOUCHING: f64 = power_of_two(-37);
+/// What remains of a gap, relatively: more than the rounding of the verdict.
+const KEPT: f64 = power_of_two(-30);
+/// To the faces, edges and corners of a cube.
+const FIXED: usize = 26;
+const BESIDE: usize = 6;
+const NEAREST: f64 = 0.02;
+
+impl WayOut {
+    pub(super) const fn new() -> Self {
+        Self { upper: f64::INFINITY, translation: [0.0; 3], fixed: 0, beside: 0, reach: 0.4 }
+    }
+
+    pub(super) const fn is_exhausted(&self) -> bool {
+        self.fixed >= FIXED && self.reach < NEAREST
+    }
+
+    fn accept(&mut self, t: &Point) {
+        let upper = length(t) * (1.0 + 4.0 * f64::EPSILON);
+        if upper < self.upper {
+            (self.upper, self.translation) = (upper, *t);
+            (self.beside, self.reach) = (0, f64::min(self.reach * 2.0, 0.4));
+        }
+    }
+
+    /// Tries a fixed direction, or if there are no more, one near the best.
+    pub(super) fn try_next<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &mut self,
+        bodies: &mut Bodies<'_, N, P, Q>,
+    ) -> Result<(), OutOfBudget>
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        if self.fixed < FIXED {
+            // The 27 cells of a cube without the middle one.
+            let code = self.fixed + usize::from(self.fixed >= 13);
+            let cell = [code % 3, code / 3 % 3, code / 9].map(|x| x as f64 - 1.0);
+            self.try_along(&cell, bodies)?;
+            self.fixed += 1;
+        } else if !self.is_exhausted()
+            && let Some(best) = unit(&self.translation)
+        {
+            let axis = if best[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+            let x = unit(&cross(&best, &axis)).unwrap_or(axis);
+            let y = cross(&best, &x);
+            // The corners of a hexagon.
+            let (u, v) =
+                [(1.0, 0.0), (-1.0, 0.0), (0.5, 0.866), (-0.5, -0.866), (-0.5, 0.866), (0.5, -0.866)]
+                    [self.beside % BESIDE];
+            let (u, v) = (u * self.reach, v * self.reach);
+            let direction = core::array::from_fn(|i| best[i] + (u * x[i] + v * y[i]));
+            let upper = self.upper;
+            self.try_along(&direction, bodies)?;
+            if self.upper >= upper {
+                self.beside += 1;
+                if self.beside == BESIDE {
+                    (self.beside, self.reach) = (0, 0.5 * self.reach);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Descends along a direction, if the bodies are free there at less than the best translation.
+    pub(super) fn try_along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &mut self,
+        direction: &Point,
+        bodies: &mut Bodies<'_, N, P, Q>,
+    ) -> Result<(), OutOfBudget>
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        let Some(along) = unit(direction) else { return Ok(()) };
+        let start = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
+        let mut t = along.map(|x| x * start);
+        if !bodies.is_free(&t)? {
+            return Ok(());
+        }
+        self.accept(&t);
+        for _ in 0..MOST_STEPS {
+            let Some((gap, normal)) = bodies.gap(&t)? else { break };
+            let (far, gap) = (length(&t), gap * (1.0 - KEPT));
+            if gap <= TOUCHING * far {
+                break;
+            }
+            let straight = t.map(|x| x * (1.0 - gap / far));
+            let ahead = dot(&normal, &t) - gap;
+            let mut next = None;
+            if ahead > 0.0 {
+                for share in [1.0, 0.5, 0.2] {
+                    let to =
+                        core::array::from_fn(|i| straight[i] + share * (normal[i] * ahead - straight[i]));
+                    if bodies.is_free(&to)? {
+                        next = Some(to);
+                        break;
+                    }
+                }
+            }
+            t = match next {
+                Some(to) => to,
+                None if bodies.is_free(&straight)? => straight,
+                None => break,
+            };
+            self.accept(&t);
+        }
+        Ok(())
+    }
+}
+
+/// The last hit along a direction, from outside.
+pub(super) fn along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+    direction: &Point,
+    bodies: &mut Bodies<'_, N, P, Q>,
+) -> Result<f64, OutOfBudget>
+where
+    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+{
+    let Some(along) = unit(direction) else { return Ok(f64::INFINITY) };
+    let at = |far: f64| along.map(|x| x * far);
+    let (mut far, mut best) = (bodies.far(), f64::INFINITY);
+    let smallest = TOUCHING * far;
+    // No place nearer than the gap is a hit, so none is passed.
+    for _ in 0..4096 {
+        if !bodies.is_free(&at(far))? {
+            break;
+        }
+        best = far;
+        let Some((gap, _)) = bodies.gap(&at(far))? else { break };
+        if far == 0.0 || gap <= smallest {
+            break;
+        }
+        far = f64::max(far - gap * (1.0 - KEPT), 0.0);
+    }
+    Ok(best)
+}
