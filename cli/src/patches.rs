@@ -3,7 +3,7 @@
 use super::body::{Body, SAME};
 use serde::Serialize;
 use simdop::pose::Pose;
-use simdop::query::{Completion, Contact, Patch, Query, patches};
+use simdop::query::{Completion, ContactPatch, Query, TriangleContact, patches};
 use std::io::Write;
 
 /// Points that span a patch.
@@ -28,17 +28,17 @@ pub(super) struct PatchReport {
 /// The patches at a pose, the one with the most contacts first.
 pub(super) fn find(query: &Query, [a, b]: &[Body; 2], pose: &Pose) -> Vec<PatchReport> {
     let (a, b) = (a.tree.view(), b.tree.view());
-    let mut contacts = vec![Contact::default(); 1024];
+    let mut contacts = vec![TriangleContact::default(); 1024];
     let mut found = query.contacts_any(&a, &b, pose, &mut contacts).expect(SAME);
     while found.completion == Completion::Stopped {
-        contacts = vec![Contact::default(); 4 * contacts.len()];
+        contacts = vec![TriangleContact::default(); 4 * contacts.len()];
         found = query.contacts_any(&a, &b, pose, &mut contacts).expect(SAME);
     }
     let contacts = &mut contacts[..found.count];
     // There are at most as many as contacts.
-    let mut all = vec![Patch::default(); contacts.len()];
+    let mut all = vec![ContactPatch::default(); contacts.len()];
     let count = patches(contacts, &mut all).unwrap_or(0);
-    let report = |patch: &Patch| {
+    let report = |patch: &ContactPatch| {
         let mut points = [[0.0; 3]; POINTS];
         let spanned = patch.span(contacts, &mut points);
         let (depth, _) = query.depth_along_any(&a, &b, pose, patch.normal).expect(SAME);

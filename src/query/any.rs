@@ -1,6 +1,6 @@
 //! Queries between trees whose node type is known only at run time.
 
-use super::contacts::{Contact, Contacts};
+use super::contacts::{Contacts, TriangleContact};
 use super::depth::DepthInterval;
 use super::distance::Distance;
 use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
@@ -132,7 +132,7 @@ impl Query {
         a: &AnyBvhRef<'_>,
         b: &AnyBvhRef<'_>,
         pose: &Pose,
-        into: &mut [Contact],
+        into: &mut [TriangleContact],
     ) -> Result<Contacts, AnyError> {
         with_both!(a, b => self.contacts(a, b, pose, into))
     }

@@ -44,7 +44,7 @@ mod volume;
 
 pub use any::AnyError;
 pub use collide::STACK_BYTES;
-pub use contacts::{Contact, Contacts, Patch, TooManyPatches, patches};
+pub use contacts::{ContactPatch, Contacts, TooManyPatches, TriangleContact, patches};
 pub use depth::{DepthInterval, Packings, SignedDistance};
 pub use distance::{DISTANCE_STACK_BYTES, Distance, Witness};
 pub(crate) use entry::checked;

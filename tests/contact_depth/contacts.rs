@@ -9,7 +9,7 @@ use crate::support::turns::pose;
 use crate::{Tree, solid};
 use simdop::isa::Isa;
 use simdop::primitive::triangle::{intersection, is_degenerate, overlap};
-use simdop::query::{Completion, Contact, Query};
+use simdop::query::{Completion, Query, TriangleContact};
 
 fn size(a: &Tri, b: &Tri) -> f64 {
     let edge = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt();
@@ -116,9 +116,9 @@ fn needles_pierce_and_lie_in_triangles() {
     assert_eq!(intersection(&lines[0], &lines[1].map(|p| [p[0], p[1], p[2] + 1.0])), None);
 }
 
-fn contacts(a: &Tree, b: &Tree, at: &simdop::Pose, room: usize) -> (Vec<Contact>, Completion) {
+fn contacts(a: &Tree, b: &Tree, at: &simdop::Pose, room: usize) -> (Vec<TriangleContact>, Completion) {
     let mut all = Isa::available().map(|isa| {
-        let mut into = vec![Contact::default(); room];
+        let mut into = vec![TriangleContact::default(); room];
         let found = Query::new(isa).contacts(a, b, at, &mut into);
         into.truncate(found.count);
         (into, found.completion, found.stats)

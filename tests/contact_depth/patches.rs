@@ -7,14 +7,14 @@ use crate::support::turns::pose;
 use crate::{Tree, grid_box, solid};
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Completion, Contact, Patch, Query, TooManyPatches, patches};
+use simdop::query::{Completion, ContactPatch, Query, TooManyPatches, TriangleContact, patches};
 
-fn found(a: &Tree, b: &Tree, at: &Pose) -> (Vec<Contact>, Vec<Patch>) {
-    let mut contacts = vec![Contact::default(); 4096];
+fn found(a: &Tree, b: &Tree, at: &Pose) -> (Vec<TriangleContact>, Vec<ContactPatch>) {
+    let mut contacts = vec![TriangleContact::default(); 4096];
     let answer = Query::new(Isa::detect()).contacts(a, b, at, &mut contacts);
     assert_eq!(answer.completion, Completion::Complete);
     contacts.truncate(answer.count);
-    let mut all = vec![Patch::default(); 16];
+    let mut all = vec![ContactPatch::default(); 16];
     let count = patches(&mut contacts, &mut all).unwrap();
     all.truncate(count);
     (contacts, all)
@@ -103,7 +103,7 @@ fn each_foot_is_a_patch() {
         assert!((patch.normal[2] - 1.0).abs() < 1e-12, "{patch:?}");
     }
     let mut contacts = contacts;
-    assert_eq!(patches(&mut contacts, &mut [Patch::default(); 2]), Err(TooManyPatches { count: 3 }));
+    assert_eq!(patches(&mut contacts, &mut [ContactPatch::default(); 2]), Err(TooManyPatches { count: 3 }));
     assert_eq!(patches(&mut [], &mut []), Ok(0));
     let ring = solid(&torus(24, 12));
     let (none, no_patches) =

@@ -7,7 +7,7 @@ use crate::vector::{cross, difference, dot, length};
 
 /// The points in which two triangles meet.
 #[derive(Copy, Clone, PartialEq, Default, Debug)]
-pub struct Contact {
+pub struct TriangleContact {
     /// The triangles.
     pub pair: Pair,
     /// The unit normal of A's triangle in B's frame; zeros for a triangle without area.
@@ -32,7 +32,7 @@ pub struct Contacts {
     pub stats: QueryStats,
 }
 
-impl Contact {
+impl TriangleContact {
     /// `None` if the two do not meet.
     pub(super) fn of(pair: Pair, a: &Triangle, b: &Triangle) -> Option<Self> {
         let found = intersection(a, b)?;

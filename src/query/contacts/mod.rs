@@ -4,8 +4,8 @@
 mod contact;
 mod patch;
 
-pub use contact::{Contact, Contacts};
-pub use patch::{Patch, TooManyPatches, patches};
+pub use contact::{Contacts, TriangleContact};
+pub use patch::{ContactPatch, TooManyPatches, patches};
 
 use super::entry::{Completion, Pair, Query, QueryStats};
 use super::lanes::Lanes;
@@ -24,18 +24,18 @@ impl Query {
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
-    /// use simdop::query::{Completion, Contact, Patch, patches};
+    /// use simdop::query::{Completion, TriangleContact, ContactPatch, patches};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// // The base of one tetrahedron is a little below the tip of the other.
     /// let on_top = Pose::from_rows([[1.0, 0.0, 0.0, -0.25], [0.0, 1.0, 0.0, -0.25], [0.0, 0.0, 1.0, 0.9]])?;
-    /// let mut room = [Contact::default(); 16];
+    /// let mut room = [TriangleContact::default(); 16];
     /// let found = Query::new(Isa::detect()).contacts(&body, &body, &on_top, &mut room);
     /// assert_eq!((found.count, found.completion), (3, Completion::Complete));
     ///
     /// let contacts = &mut room[..found.count];
-    /// let mut room = [Patch::default(); 4];
+    /// let mut room = [ContactPatch::default(); 4];
     /// assert_eq!(patches(contacts, &mut room), Ok(1));
     /// assert!(room[0].normal[2] > 0.99); // A has to rise.
     /// let mut points = [[0.0; 3]; 3];
@@ -43,7 +43,7 @@ impl Query {
     /// assert!(points.iter().all(|p| (p[2] - 0.9).abs() < 1e-12));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn contacts<A, B>(&self, a: &A, b: &B, pose: &Pose, into: &mut [Contact]) -> Contacts
+    pub fn contacts<A, B>(&self, a: &A, b: &B, pose: &Pose, into: &mut [TriangleContact]) -> Contacts
     where
         A: AsBvh<Primitive = Triangles, Node: Lanes>,
         B: AsBvh<Primitive = Triangles, Node = A::Node>,
@@ -61,7 +61,7 @@ impl Query {
                 let moved = Triangles::moved(&a.primitive(found.a), pose);
                 let pair: Pair = found.pair(a, b);
                 // All pairs that are found meet.
-                if let Some(contact) = Contact::of(pair, &moved, &b.primitive(found.b)) {
+                if let Some(contact) = TriangleContact::of(pair, &moved, &b.primitive(found.b)) {
                     *place = contact;
                     count += 1;
                 }

@@ -1,6 +1,6 @@
 //! Patches: contacts that hang together.
 
-use super::Contact;
+use super::TriangleContact;
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length};
@@ -11,7 +11,7 @@ const SAME: f64 = power_of_two(-41);
 
 /// Contacts that hang together.
 #[derive(Copy, Clone, PartialEq, Default, Debug)]
-pub struct Patch {
+pub struct ContactPatch {
     /// Index of its first contact.
     pub first: usize,
     /// Number of its contacts.
@@ -53,14 +53,14 @@ impl core::error::Error for TooManyPatches {}
 ///
 /// # Errors
 /// [`TooManyPatches`] if `into` has no room for all.
-pub fn patches(contacts: &mut [Contact], into: &mut [Patch]) -> Result<usize, TooManyPatches> {
+pub fn patches(contacts: &mut [TriangleContact], into: &mut [ContactPatch]) -> Result<usize, TooManyPatches> {
     join(contacts);
     contacts.sort_unstable_by_key(|contact| (contact.patch, contact.pair));
     let mut count = 0;
     let mut first = 0;
     for group in contacts.chunk_by(|x, y| x.patch == y.patch) {
         if let Some(patch) = into.get_mut(count) {
-            *patch = Patch::of(first, group);
+            *patch = ContactPatch::of(first, group);
         }
         (count, first) = (count + 1, first + group.len());
     }
@@ -70,9 +70,9 @@ pub fn patches(contacts: &mut [Contact], into: &mut [Patch]) -> Result<usize, To
 }
 
 /// Sets the patch of each contact: the index of one contact of the same patch.
-fn join(contacts: &mut [Contact]) {
+fn join(contacts: &mut [TriangleContact]) {
     let (mut low, mut high, mut size) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
-    for p in contacts.iter().flat_map(Contact::points) {
+    for p in contacts.iter().flat_map(TriangleContact::points) {
         for i in 0..3 {
             low[i] = f64::min(low[i], p[i]);
             high[i] = f64::max(high[i], p[i]);
@@ -82,9 +82,10 @@ fn join(contacts: &mut [Contact]) {
     let wider = |i: usize, j: usize| if high[j] - low[j] > high[i] - low[i] { j } else { i };
     let axis = wider(wider(0, 1), 2);
     let same = SAME * size;
-    let start =
-        |contact: &Contact| contact.points().iter().fold(f64::INFINITY, |low, p| f64::min(low, p[axis]));
-    let end = |contact: &Contact| {
+    let start = |contact: &TriangleContact| {
+        contact.points().iter().fold(f64::INFINITY, |low, p| f64::min(low, p[axis]))
+    };
+    let end = |contact: &TriangleContact| {
         contact.points().iter().fold(f64::NEG_INFINITY, |high, p| f64::max(high, p[axis]))
     };
     contacts.sort_unstable_by(|x, y| start(x).total_cmp(&start(y)).then(x.pair.cmp(&y.pair)));
@@ -110,7 +111,7 @@ fn join(contacts: &mut [Contact]) {
 }
 
 /// The contact that stands for the patch of contact `i`. Halves the path to it.
-fn root(contacts: &mut [Contact], mut i: u32) -> u32 {
+fn root(contacts: &mut [TriangleContact], mut i: u32) -> u32 {
     loop {
         let above = contacts[i as usize].patch;
         if above == i {
@@ -122,25 +123,25 @@ fn root(contacts: &mut [Contact], mut i: u32) -> u32 {
     }
 }
 
-fn have_common_end(x: &Contact, y: &Contact, same: f64) -> bool {
+fn have_common_end(x: &TriangleContact, y: &TriangleContact, same: f64) -> bool {
     let is_same = |p: &Point, q: &Point| (0..3).all(|i| (p[i] - q[i]).abs() <= same);
     x.points().iter().any(|p| y.points().iter().any(|q| is_same(p, q)))
 }
 
-impl Patch {
-    fn of(first: usize, contacts: &[Contact]) -> Self {
-        let points = || contacts.iter().flat_map(Contact::points);
+impl ContactPatch {
+    fn of(first: usize, contacts: &[TriangleContact]) -> Self {
+        let points = || contacts.iter().flat_map(TriangleContact::points);
         let share = 1.0 / points().count() as f64;
         let centre = points().fold([0.0; 3], |sum, p| core::array::from_fn(|i| sum[i] + p[i] * share));
         let plus = |sum: Point, more: Point| -> Point { core::array::from_fn(|i| sum[i] + more[i]) };
-        let total = |keep: &dyn Fn(&Contact) -> bool| {
+        let total = |keep: &dyn Fn(&TriangleContact) -> bool| {
             let kept = contacts.iter().filter(|contact| keep(contact));
             kept.fold([0.0; 3], |sum, contact| plus(sum, contact.vector_area(&centre)))
         };
         let long = contacts.iter().fold(0.0, |sum, contact| sum + contact.segment());
-        let of_polygons = total(&Contact::is_polygon);
+        let of_polygons = total(&TriangleContact::is_polygon);
         let loops = total(&|contact| !contact.is_polygon()).map(|x| -x);
-        let has_polygons = contacts.iter().any(Contact::is_polygon);
+        let has_polygons = contacts.iter().any(TriangleContact::is_polygon);
         let along = if has_polygons {
             of_polygons
         } else if length(&loops) > FLAT * (long * long) {
@@ -164,7 +165,7 @@ impl Patch {
 
     /// Its contacts, of those that [`patches`] ordered.
     #[must_use]
-    pub fn contacts<'c>(&self, contacts: &'c [Contact]) -> &'c [Contact] {
+    pub fn contacts<'c>(&self, contacts: &'c [TriangleContact]) -> &'c [TriangleContact] {
         contacts.get(self.first..self.first + self.count).unwrap_or(&[])
     }
 
@@ -172,8 +173,8 @@ impl Patch {
     /// farthest from the centre, the farthest from that one, the farthest on either side of the line through both, then
     /// always the one that is farthest outside of the polygon so far. Of a box on a box, the first four are its
     /// corners.
-    pub fn span(&self, contacts: &[Contact], into: &mut [Point]) -> usize {
-        let points = || self.contacts(contacts).iter().flat_map(Contact::points);
+    pub fn span(&self, contacts: &[TriangleContact], into: &mut [Point]) -> usize {
+        let points = || self.contacts(contacts).iter().flat_map(TriangleContact::points);
         let flat = |from: &Point, to: &Point| {
             let d = difference(to, from);
             let off = dot(&d, &self.normal);

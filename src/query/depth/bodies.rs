@@ -45,7 +45,7 @@ pub(super) struct Shared {
     radii: [f64; 2],
 }
 
-pub(super) struct Bodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
+pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) query: Query,
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
@@ -55,7 +55,7 @@ pub(super) struct Bodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) hint: Hint,
 }
 
-impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> Bodies<'_, N, P, Q>
+impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> PosedBodies<'_, N, P, Q>
 where
     Shapes: PrimitivePair<P> + PrimitivePair<Q>,
 {

@@ -13,7 +13,7 @@
 //! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
-use super::bodies::{Bodies, unit};
+use super::bodies::{PosedBodies, unit};
 use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
@@ -24,7 +24,7 @@ use crate::vector::{difference, length};
 
 /// A triangle of directions.
 #[derive(Copy, Clone)]
-struct Part {
+struct DirectionPart {
     reach: f64,
     /// A one, the number of the face, and two bits for each level of the division.
     path: u32,
@@ -42,19 +42,19 @@ const GAIN: f64 = power_of_two(-8);
 /// Covers the roundings of directions and products, relative to a translation.
 const ROUNDING: f64 = power_of_two(-48);
 
-pub(super) struct Cover {
-    parts: [Part; MOST_PARTS],
+pub(super) struct ForbiddenBall {
+    parts: [DirectionPart; MOST_PARTS],
     len: usize,
     steps: u32,
     /// Whether no step raises the bound any more.
     pub(super) is_final: bool,
 }
 
-impl Cover {
+impl ForbiddenBall {
     /// From the radius of the forbidden neighbourhood of no translation.
     pub(super) fn new(radius: f64, seed: Option<Point>) -> Self {
         let reach = f64::max(radius, 0.0);
-        let mut parts = [Part { reach, path: 0, seed }; MOST_PARTS];
+        let mut parts = [DirectionPart { reach, path: 0, seed }; MOST_PARTS];
         for (part, path) in parts.iter_mut().zip(8..16) {
             part.path = path;
         }
@@ -63,7 +63,7 @@ impl Cover {
 
     fn least(&self) -> usize {
         let before = |i: usize, j: usize| {
-            let key = |part: &Part| (part.reach, part.path);
+            let key = |part: &DirectionPart| (part.reach, part.path);
             if key(&self.parts[j]) < key(&self.parts[i]) { j } else { i }
         };
         (1..self.len).fold(0, before)
@@ -82,13 +82,13 @@ impl Cover {
     /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
     pub(super) fn step<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &mut self,
-        bodies: &mut Bodies<'_, N, P, Q>,
+        bodies: &mut PosedBodies<'_, N, P, Q>,
     ) -> Result<(), OutOfBudget>
     where
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
     {
         let at = self.least();
-        let Part { reach, path, seed } = self.parts[at];
+        let DirectionPart { reach, path, seed } = self.parts[at];
         let corners = corners(path);
         let Some(along) = middle(&corners).filter(|_| self.steps < MOST_STEPS) else {
             self.is_final = true;
@@ -118,7 +118,7 @@ impl Cover {
         }
         self.parts[at].path = part.path << 2;
         for child in 1..4 {
-            self.parts[self.len] = Part { path: part.path << 2 | child, ..part };
+            self.parts[self.len] = DirectionPart { path: part.path << 2 | child, ..part };
             self.len += 1;
         }
     }

@@ -21,8 +21,8 @@ use crate::pose::Pose;
 use crate::primitive::shape::depth;
 use crate::primitive::{Primitive, Shape, Shapes};
 use crate::range::Point;
-use bodies::Bodies;
-use cover::Cover;
+use bodies::PosedBodies;
+use cover::ForbiddenBall;
 use interval::OutOfBudget;
 use way_out::WayOut;
 
@@ -68,13 +68,13 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = Bodies { query, a, b, pose, packings, stats, hint: self.hint };
-            let mut found = Bounds { lower: 0.0, way: WayOut::new() };
+            let mut bodies = PosedBodies { query, a, b, pose, packings, stats, hint: self.hint };
+            let mut found = BestBounds { lower: 0.0, way: WayOut::new() };
             let completion = match search(&mut bodies, &mut found) {
                 Ok(()) => Completion::Complete,
                 Err(OutOfBudget) => Completion::OutOfBudget,
             };
-            let Bounds { lower, way: WayOut { upper, translation, .. } } = found;
+            let BestBounds { lower, way: WayOut { upper, translation, .. } } = found;
             let lower = if lower < upper { lower } else { upper };
             DepthInterval { lower, upper, translation, completion, stats: bodies.stats }
         })
@@ -85,7 +85,7 @@ impl Query {
     /// about 2^-30 of it. [`Query::collide`] finds the bodies to be free after it. Zero for bodies that are free there,
     /// and infinite if the budget was spent or the direction is zero or not finite.
     ///
-    /// For the depth of a contact [patch](super::Patch) along its normal.
+    /// For the depth of a contact [patch](super::ContactPatch) along its normal.
     pub fn depth_along<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,
@@ -101,7 +101,7 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = Bodies { query, a, b, pose, packings: None, stats, hint: Hint::NONE };
+            let mut bodies = PosedBodies { query, a, b, pose, packings: None, stats, hint: Hint::NONE };
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })
@@ -123,7 +123,7 @@ impl Query {
 }
 
 /// What a search has found.
-struct Bounds {
+struct BestBounds {
     lower: f64,
     way: WayOut,
 }
@@ -139,8 +139,8 @@ const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
 
 /// What a search does never depends on how much budget is left, so that more budget only goes on.
 fn search<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
-    bodies: &mut Bodies<'_, N, P, Q>,
-    found: &mut Bounds,
+    bodies: &mut PosedBodies<'_, N, P, Q>,
+    found: &mut BestBounds,
 ) -> Result<(), OutOfBudget>
 where
     Shapes: PrimitivePair<P> + PrimitivePair<Q>,
@@ -150,7 +150,7 @@ where
         return Ok(());
     }
     let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
-    let mut cover = Cover::new(radius, shared.map(|shared| shared.point));
+    let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
     // The point leaves B, and B's point leaves A.
@@ -181,7 +181,7 @@ where
 
 /// The direction of the penetration volume of the packings.
 fn volume_direction<N: Lanes, P: Primitive, Q: Primitive>(
-    bodies: &mut Bodies<'_, N, P, Q>,
+    bodies: &mut PosedBodies<'_, N, P, Q>,
 ) -> Result<Option<Point>, OutOfBudget> {
     let Some(Packings { a, b }) = bodies.packings else { return Ok(None) };
     let rest = bodies.query.after(&bodies.stats).budget();

@@ -30,20 +30,20 @@ pub(super) struct DeepestPair {
 
 /// What a lane bounds, in B's frame.
 #[derive(Copy, Clone)]
-struct Volume {
+struct PlacedBall {
     centre: Point,
     radius: f64,
     link: Link,
 }
 
 #[derive(Copy, Clone)]
-struct Waiting {
+struct PendingPair {
     bound: f64,
-    a: Volume,
-    b: Volume,
+    a: PlacedBall,
+    b: PlacedBall,
 }
 
-const ROOT: Volume = Volume { centre: [0.0; 3], radius: f64::INFINITY, link: Link::Inner(0) };
+const ROOT: PlacedBall = PlacedBall { centre: [0.0; 3], radius: f64::INFINITY, link: Link::Inner(0) };
 
 /// Pending pairs. If there is no room, those of the least bounds are dropped: the pair found may then be less deep.
 const MOST_WAITING: usize = 96;
@@ -61,7 +61,7 @@ pub(super) fn deepest<N: Node>(
     if a.balls().is_empty() || b.balls().is_empty() {
         return Ok(None);
     }
-    let mut waiting = [Waiting { bound: f64::INFINITY, a: ROOT, b: ROOT }; MOST_WAITING];
+    let mut waiting = [PendingPair { bound: f64::INFINITY, a: ROOT, b: ROOT }; MOST_WAITING];
     let (mut len, mut best, mut depth) = (1, None, 0.0);
     for _ in 0..MOST_VISITS {
         let next = waiting[..len].iter().enumerate().fold((0.0, None), |most, (i, pair)| {
@@ -75,12 +75,12 @@ pub(super) fn deepest<N: Node>(
             return Err(OutOfBudget);
         }
         *visits += 1;
-        let Waiting { a: of_a, b: of_b, .. } = waiting[at];
+        let PendingPair { a: of_a, b: of_b, .. } = waiting[at];
         len -= 1;
         waiting[at] = waiting[len];
         let is_a_opened = matches!(of_a.link, Link::Inner(_))
             && (of_a.radius >= of_b.radius || !matches!(of_b.link, Link::Inner(_)));
-        let mut add = |a: Volume, b: Volume| {
+        let mut add = |a: PlacedBall, b: PlacedBall| {
             let bound = a.radius + b.radius - length(&difference(&a.centre, &b.centre));
             if let (Some(i), Some(j)) = (sphere(&a), sphere(&b)) {
                 if bound > depth {
@@ -94,7 +94,7 @@ pub(super) fn deepest<N: Node>(
                 } else if waiting[place].bound >= bound {
                     return;
                 }
-                waiting[place] = Waiting { bound, a, b };
+                waiting[place] = PendingPair { bound, a, b };
             }
         };
         if is_a_opened {
@@ -107,16 +107,16 @@ pub(super) fn deepest<N: Node>(
 }
 
 /// The index of a volume that is one sphere.
-const fn sphere(volume: &Volume) -> Option<u32> {
+const fn sphere(volume: &PlacedBall) -> Option<u32> {
     if let Link::Leaf { first, .. } = volume.link { Some(first) } else { None }
 }
 
 /// The children of a node; the spheres of leaves one by one.
 fn children<N: Node>(
     tree: &BvhRef<'_, N, Spheres>,
-    of: &Volume,
+    of: &PlacedBall,
     pose: Option<&Pose>,
-    visit: &mut dyn FnMut(Volume),
+    visit: &mut dyn FnMut(PlacedBall),
 ) {
     let Link::Inner(node) = of.link else { return };
     let place = |p: Point| pose.map_or(p, |pose| pose.unflushed(&p));
@@ -128,12 +128,12 @@ fn children<N: Node>(
             link @ Link::Inner(_) => {
                 let ball = balls.lane(lane);
                 let centre = core::array::from_fn(|i| frame.centre[i] + f64::from(ball.centre[i]) * unscale);
-                visit(Volume { centre: place(centre), radius: f64::from(ball.radius) * unscale, link });
+                visit(PlacedBall { centre: place(centre), radius: f64::from(ball.radius) * unscale, link });
             }
             link @ Link::Leaf { .. } => {
                 for index in link.primitives() {
                     let Sphere { centre, radius } = tree.primitive(index);
-                    visit(Volume {
+                    visit(PlacedBall {
                         centre: place(centre),
                         radius,
                         link: Link::Leaf { first: index, count: 1 },

@@ -5,7 +5,7 @@
 //! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
 //! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
 
-use super::bodies::{Bodies, unit};
+use super::bodies::{PosedBodies, unit};
 use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
@@ -57,7 +57,7 @@ impl WayOut {
     /// Tries a fixed direction, or if there are no more, one near the best.
     pub(super) fn try_next<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &mut self,
-        bodies: &mut Bodies<'_, N, P, Q>,
+        bodies: &mut PosedBodies<'_, N, P, Q>,
     ) -> Result<(), OutOfBudget>
     where
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
@@ -96,7 +96,7 @@ impl WayOut {
     pub(super) fn try_along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &mut self,
         direction: &Point,
-        bodies: &mut Bodies<'_, N, P, Q>,
+        bodies: &mut PosedBodies<'_, N, P, Q>,
     ) -> Result<(), OutOfBudget>
     where
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
@@ -141,7 +141,7 @@ impl WayOut {
 /// The last hit along a direction, from outside.
 pub(super) fn along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     direction: &Point,
-    bodies: &mut Bodies<'_, N, P, Q>,
+    bodies: &mut PosedBodies<'_, N, P, Q>,
 ) -> Result<f64, OutOfBudget>
 where
     Shapes: PrimitivePair<P> + PrimitivePair<Q>,
