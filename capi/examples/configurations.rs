@@ -92,10 +92,10 @@ fn main() {
     let insert = |c: &mut simdop_scene, bytes: Option<&'static [u8]>, shape: Option<simdop_shape>, fixed| {
         let role = simdop_role { is_fixed: fixed, ..role };
         let body = match (bytes, &shape) {
-            // SAFETY: the bytes are never freed.
-            (Some(bytes), _) => {
-                written(|body| unsafe { simdop_body_open(bytes.as_ptr(), bytes.len(), body) })
-            }
+            (Some(bytes), _) => written(|body| {
+                // SAFETY: the bytes are never freed.
+                unsafe { simdop_body_open(bytes.as_ptr(), bytes.len(), body) }
+            }),
             (None, shape) => written(|body| simdop_body_build_shape(shape.as_ref(), body)),
         };
         let body: &'static simdop_body = Box::leak(body.unwrap());

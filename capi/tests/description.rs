@@ -174,16 +174,19 @@ fn null_is_an_error() {
     let (some, null, at) = (Some(&*description), simdop_error::Null, Some(&IDENTITY));
     let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
     let ids = [0; 9];
-    // SAFETY: what is not NULL has enough items.
-    let reads = unsafe {
-        [
-            handle(|to| simdop_description_read(std::ptr::null(), 3, 0, to)).unwrap_err(),
-            simdop_description_read(URDF.as_ptr().cast(), URDF.len(), 0, None),
-            simdop_description_select_pairs(None, std::ptr::null(), 0, Some(&mut scene), ids.as_ptr(), 1),
-            simdop_description_select_pairs(some, std::ptr::null(), 0, None, ids.as_ptr(), 1),
-            simdop_description_select_pairs(some, std::ptr::null(), 0, Some(&mut scene), std::ptr::null(), 1),
-        ]
-    };
+    let (no_text, no_ids, text) = (std::ptr::null(), std::ptr::null(), URDF.as_ptr().cast());
+    // SAFETY: no text, or one of this length.
+    let nothing = handle(|to| unsafe { simdop_description_read(no_text, 3, 0, to) }).unwrap_err();
+    // SAFETY: as above.
+    let nowhere = unsafe { simdop_description_read(text, URDF.len(), 0, None) };
+    // SAFETY: no text, and an item.
+    let no_description =
+        unsafe { simdop_description_select_pairs(None, no_text, 0, Some(&mut scene), ids.as_ptr(), 1) };
+    // SAFETY: as above.
+    let no_scene = unsafe { simdop_description_select_pairs(some, no_text, 0, None, ids.as_ptr(), 1) };
+    // SAFETY: no text, and no items, which is an error.
+    let no_items = unsafe { simdop_description_select_pairs(some, no_text, 0, Some(&mut scene), no_ids, 1) };
+    let reads = [nothing, nowhere, no_description, no_scene, no_items];
     let others = [
         answer(|to| simdop_description_get_size(None, to)).unwrap_err(),
         simdop_description_get_size(some, None),

@@ -173,14 +173,13 @@ fn faults_have_codes() {
     assert_eq!(simdop_planner_remove(Some(&mut c), hand), simdop_error::PlannerIsRobot);
     assert_eq!(simdop_planner_place(Some(&mut c), hand, Some(&IDENTITY)), simdop_error::PlannerIsRobot);
     let values = [0.0, 0.0, 0.0, 9.0];
-    // SAFETY: the names end with a NUL, and the lengths are those of the arrays.
-    let (group, length, limits) = unsafe {
-        (
-            simdop_planner_select_group(Some(&mut c), c"nothing".as_ptr(), values.as_ptr(), 3),
-            simdop_planner_attach(Some(&mut c), id, c"hand".as_ptr(), values.as_ptr(), 3),
-            simdop_planner_attach(Some(&mut c), id, c"hand".as_ptr(), values.as_ptr(), 4),
-        )
-    };
+    let (nothing, hand, first) = (c"nothing".as_ptr(), c"hand".as_ptr(), values.as_ptr());
+    // SAFETY: the name ends with a NUL, and there are as many values.
+    let group = unsafe { simdop_planner_select_group(Some(&mut c), nothing, first, 3) };
+    // SAFETY: as above.
+    let length = unsafe { simdop_planner_attach(Some(&mut c), id, hand, first, 3) };
+    // SAFETY: as above.
+    let limits = unsafe { simdop_planner_attach(Some(&mut c), id, hand, first, 4) };
     let expected = [simdop_error::MotionLength, simdop_error::MotionLength, simdop_error::MotionOutOfLimits];
     assert_eq!([group, length, limits], expected);
     let rest = [0.0; 4];
@@ -235,17 +234,19 @@ fn null_is_an_error() {
         errors.push(near.unwrap_err());
     }
     // SAFETY: as above.
-    errors.extend(unsafe {
-        [
-            handle(|to| simdop_planner_load(null(), null(), 0.0, to)).unwrap_err(),
-            simdop_planner_limits(Some(&c), std::ptr::null_mut()),
-            simdop_planner_select_group(Some(&mut c), null(), v, 4),
-            simdop_planner_select_group(Some(&mut c), name, null(), 4),
-            simdop_planner_attach(Some(&mut c), id, null(), v, 4),
-            simdop_planner_attach(Some(&mut c), id, name, null(), 4),
-            simdop_planner_link(Some(&c), name, None),
-        ]
-    });
+    errors.push(handle(|to| unsafe { simdop_planner_load(null(), null(), 0.0, to) }).unwrap_err());
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_limits(Some(&c), std::ptr::null_mut()) });
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_select_group(Some(&mut c), null(), v, 4) });
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_select_group(Some(&mut c), name, null(), 4) });
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_attach(Some(&mut c), id, null(), v, 4) });
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_attach(Some(&mut c), id, name, null(), 4) });
+    // SAFETY: as above.
+    errors.push(unsafe { simdop_planner_link(Some(&c), name, None) });
     assert!(errors.iter().all(|error| *error == simdop_error::Null), "{errors:?}");
     simdop_workspace_destroy(None);
     simdop_planner_destroy(None);

@@ -56,7 +56,9 @@ pub(super) fn find(query: &Query, [a, b]: &[Body; 2], pose: &Pose) -> Vec<PatchR
 
 impl PatchReport {
     pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let Self { contacts, normal: [x, y, z], depth, length, area, points } = self;
+        let Self { contacts, normal, depth, length, area, points } = self;
+        // No minus in front of what is printed as zero.
+        let [x, y, z] = normal.map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
         write!(out, "        {contacts} pairs, normal {x:.6} {y:.6} {z:.6}, ")?;
         if let Some(depth) = depth {
             write!(out, "depth {depth:.6e}, ")?;

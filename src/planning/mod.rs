@@ -37,7 +37,7 @@ pub use error::PlanningError;
 pub use files::{RobotFiles, located};
 pub use geometry::LinkGeometry;
 pub use model::RobotModel;
-pub use plan::{Plan, PlanSettings};
+pub use plan::{PlanSettings, PlannedPath};
 pub use scene::PlanningScene;
 pub use workspace::Workspace;
 

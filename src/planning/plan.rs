@@ -30,7 +30,7 @@ impl Default for PlanSettings {
 
 /// A path, and its cost.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Plan {
+pub struct PlannedPath {
     /// The configurations from the start to a goal. The straight motions between them are certified. Empty if no path
     /// was found.
     pub path: Vec<Vec<f64>>,
@@ -42,7 +42,7 @@ pub struct Plan {
     pub nodes: usize,
 }
 
-impl Plan {
+impl PlannedPath {
     /// Whether a path was found.
     #[must_use]
     pub fn is_found(&self) -> bool {
@@ -108,7 +108,7 @@ impl Random {
 }
 
 /// A search for a path.
-struct Search<'s> {
+struct PathSearch<'s> {
     scene: &'s PlanningScene,
     workspace: &'s mut Workspace,
     settings: &'s PlanSettings,
@@ -128,9 +128,9 @@ impl PlanningScene {
         start: &[f64],
         goals: &[&[f64]],
         settings: &PlanSettings,
-    ) -> Result<Plan, PlanningError> {
+    ) -> Result<PlannedPath, PlanningError> {
         let random = Random(settings.seed);
-        let mut search = Search { scene: self, workspace, settings, random, motions: 0 };
+        let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0 };
         let (mut from, mut to) = (Tree::new(), Tree::new());
         if self.is_free(search.workspace, start)? {
             from.add(start, None);
@@ -146,11 +146,16 @@ impl PlanningScene {
             search.shorten(&mut path)?;
         }
         let length = path.windows(2).map(|ends| self.distance(&ends[0], &ends[1])).sum::<Result<f64, _>>()?;
-        Ok(Plan { path, length, motions: search.motions, nodes: from.parents.len() + to.parents.len() })
+        Ok(PlannedPath {
+            path,
+            length,
+            motions: search.motions,
+            nodes: from.parents.len() + to.parents.len(),
+        })
     }
 }
 
-impl Search<'_> {
+impl PathSearch<'_> {
     fn connect(&mut self, from: &mut Tree, to: &mut Tree) -> Result<Vec<Vec<f64>>, PlanningError> {
         // The straight way first.
         let mut target = to.node(0).to_vec();

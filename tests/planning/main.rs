@@ -1,7 +1,6 @@
 //! Planning scenes: verdicts, gradients and motions against scenes put together by hand, and files that are wrong.
 
 #[path = "../support/mod.rs"]
-#[allow(dead_code, reason = "each program uses some of it")]
 mod support;
 
 mod files;

@@ -3,7 +3,7 @@
 use super::problems::Problem;
 use crate::random::distance;
 use core::num::NonZeroU32;
-use simdop::planning::{Plan, PlanSettings, PlanningError, PlanningScene, RobotModel, Workspace};
+use simdop::planning::{PlanSettings, PlannedPath, PlanningError, PlanningScene, RobotModel, Workspace};
 use simdop::query::Query;
 use simdop::scene::{Body, MotionAnswer, SceneHit};
 use std::sync::Arc;
@@ -47,7 +47,11 @@ impl World {
     }
 
     /// A path to one of the problem's goals.
-    pub(super) fn plan(&mut self, problem: &Problem, settings: &PlanSettings) -> Result<Plan, PlanningError> {
+    pub(super) fn plan(
+        &mut self,
+        problem: &Problem,
+        settings: &PlanSettings,
+    ) -> Result<PlannedPath, PlanningError> {
         let goals: Vec<&[f64]> = problem.goals.iter().map(Vec::as_slice).collect();
         self.scene.plan(&mut self.workspace, &problem.start, &goals, settings)
     }

@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 
 /// The mesh of closed facets, whose corners are indices of points.
 pub(super) fn mesh(points: &[Point], facets: &[Facet]) -> OwnedMesh {
-    let planes = Planes::of(points, facets);
+    let planes = FacetPlanes::of(points, facets);
     let is_corner = planes.corners(points.len());
     let mut order: Vec<u32> = (0..points.len() as u32).filter(|&p| is_corner[p as usize]).collect();
     order.sort_unstable_by(|&p, &q| compare(&points[p as usize], &points[q as usize]));
@@ -41,7 +41,7 @@ pub(super) fn mesh(points: &[Point], facets: &[Facet]) -> OwnedMesh {
 }
 
 /// The facets by planes.
-struct Planes<'a> {
+struct FacetPlanes<'a> {
     facets: &'a [Facet],
     /// Of each facet, the index of its plane.
     of_facet: Vec<u32>,
@@ -50,7 +50,7 @@ struct Planes<'a> {
     ends: Vec<usize>,
 }
 
-impl<'a> Planes<'a> {
+impl<'a> FacetPlanes<'a> {
     fn of(points: &[Point], facets: &'a [Facet]) -> Self {
         let mut planes = Self {
             facets,

@@ -317,9 +317,9 @@ impl Query {
         if is_unknown && self.inside_of_solid(solid, point, stats).map_err(|_| OutOfBudget)?.is_none() {
             return Ok(None);
         }
-        let mut nearest = self.to_surface(point, solid, stats).ok_or(OutOfBudget)?;
+        let mut nearest = self.nearest_on_surface(point, solid, stats).ok_or(OutOfBudget)?;
         if let Some(caps) = solid.caps() {
-            let cap = self.to_surface(point, &caps, stats).ok_or(OutOfBudget)?;
+            let cap = self.nearest_on_surface(point, &caps, stats).ok_or(OutOfBudget)?;
             if cap.is_some_and(|cap| nearest.is_none_or(|nearest| cap.lower < nearest.lower)) {
                 nearest = cap;
             }

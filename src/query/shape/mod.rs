@@ -190,7 +190,7 @@ impl Query {
 
     /// Bounds of the distance of a point from the primitives of a tree, and the nearest points, the given one as that of
     /// A. `None` if the budget was spent, `Some(None)` if the tree is empty.
-    pub(in crate::query) fn to_surface<N: Lanes, Q: Primitive>(
+    pub(in crate::query) fn nearest_on_surface<N: Lanes, Q: Primitive>(
         &self,
         point: &Point,
         tree: &BvhRef<'_, N, Q>,

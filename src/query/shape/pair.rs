@@ -15,7 +15,8 @@ impl Query {
     /// let ground = Shape::half_space([0.0, 0.0, 1.0], 0.0)?;
     /// let up = |z| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]]);
     /// assert!(query.collide_shapes(&ball, &ground, &up(0.5)?).hit().is_some());
-    /// assert_eq!(query.distance_shapes(&ball, &ground, &up(2.0)?, 0.0, f64::INFINITY)?.upper, 1.5);
+    /// let distance = query.distance_shapes(&ball, &ground, &up(2.0)?, 0.0, f64::INFINITY)?;
+    /// assert!(distance.lower <= 1.5 && 1.5 <= distance.upper && distance.upper < 1.5 + 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn collide_shapes(&self, a: &Shape, b: &Shape, pose: &Pose) -> Answer {
