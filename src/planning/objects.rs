@@ -52,7 +52,7 @@ impl PlanningScene {
 
     /// Attaches an object to a link of the robot, as it stands while the joints have these values, of the variables that
     /// are planned for. From then on it moves with the link, and may touch the links of `touched`, for which names of
-    /// bodies count too ([`RobotModel::names`]).
+    /// bodies count too ([`RobotModel::names`](super::RobotModel::names)).
     ///
     /// # Errors
     /// [`PlanningError`]: there is no such link or object, the object is attached already or part of the robot, or a

@@ -16,7 +16,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 
 /// A robot among objects, queried by the values of its joints.
 ///
-/// Copies share all trees. Queries take `&self` and a [`Workspace`] of the thread.
+/// Copies share all trees. Queries take `&self` and a [`Workspace`](super::Workspace) of the thread.
 #[derive(Clone, Debug)]
 pub struct PlanningScene {
     pub(super) robot: Arc<RobotModel>,

@@ -78,7 +78,21 @@ fn the_built_in_arm_needs_no_file() {
     let never: Vec<&Value> = pairs["matrix"].as_array().unwrap().iter().filter(never).collect();
     assert!(never.len() == 1 && never[0]["bodies"] == json!(["upper_arm", "hand"]), "{never:?}");
 
-    let table = String::from_utf8(folder.run(&["robot", "--edges", "3"]).stdout).unwrap();
+    // Each configuration with its verdict, and a path of free motions for each problem.
+    let report = folder.json(&["robot", "--edges", "0", "--pairs", "1", "--plan"]);
+    let rows = report["problems"]["validity"]["rows"].as_array().unwrap();
+    assert_eq!(rows.len() as u64, configurations);
+    assert_eq!(rows.iter().filter(|row| row["valid"] == true).count() as u64, valid);
+    assert!(rows.iter().all(|row| row["bodies"].is_null() == (row["valid"] == true)), "{rows:?}");
+    let plans = &report["problems"]["plans"];
+    assert_eq!((&plans["solved"], &plans["problems"]), (&report["problems"]["problems"], &plans["problems"]));
+    for plan in plans["plans"].as_array().unwrap() {
+        let path = plan["path"].as_array().unwrap();
+        assert!(path.len() > 1 && plan["length"].as_f64().unwrap() > 0.0, "{plan}");
+    }
+
+    let table = String::from_utf8(folder.run(&["robot", "--edges", "3", "--plan"]).stdout).unwrap();
+    assert!(table.contains("\nplans      asked  solved"), "{table}");
     assert!(table.contains("\nrandom               6 "), "{table}");
     assert!(table.contains("refuted: \"Never\" of column, forearm: they meet at"), "{table}");
     assert!(table.contains("asked, and they never meet: upper_arm, hand"), "{table}");
@@ -220,9 +234,21 @@ fn faults_name_the_link_the_file_and_the_place() {
     starts(&["text.urdf"], "simdop: text.urdf: not a robot's description: ");
     starts(&["two.urdf"], "simdop: two.urdf: the links are no tree: see ");
     starts(&["nowhere.urdf"], "simdop: nowhere.urdf: No such file");
-    let srdf = "simdop: bad.srdf: not a robot's description: line 2: a disabled pair without link2";
+    let srdf = "simdop: bad.srdf: not a robot's description: line 2: disable_collisions without link2";
     assert_eq!(fault(&["good.urdf", "--srdf", "bad.srdf"]), srdf);
     assert_eq!(fault(&["good.urdf", "--edges", "4"]), "simdop: --edges: edges are those of --problems");
+    assert_eq!(fault(&["good.urdf", "--plan"]), "simdop: --plan: paths are those of --problems");
+    folder.write(
+        "other.srdf",
+        "<robot>\n<disable_collisions link1=\"rail\" link2=\"tail\" reason=\"Never\"/></robot>",
+    );
+    let other = "simdop: other.srdf: line 2: the robot has no link tail";
+    assert_eq!(fault(&["good.urdf", "--srdf", "other.srdf"]), other);
+    assert_eq!(
+        fault(&["good.urdf", "--srdf", "good.urdf"]).split(": ").nth(3),
+        Some("line 1"),
+        "a URDF file is no SRDF file"
+    );
     assert!(fault(&["--problems", "x"]).contains("<URDF>"));
 
     let good = ball_at([9.0; 3]);

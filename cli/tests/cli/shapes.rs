@@ -191,7 +191,7 @@ fn faults_name_the_argument_and_what_is_needed() {
         ("plane:0,0,1", "3 numbers, 4 are needed: NX, NY, NZ and D"),
         (
             "torus:1,2",
-            "torus is not a shape: box, sphere, capsule, cylinder, cone and plane are; nor is there",
+            "torus is not a shape: box, sphere, capsule, cylinder, cone, plane and hull are; nor is there",
         ),
     ] {
         for arguments in [["collide", text, "t.obj"], ["collide", "t.obj", text]] {
