@@ -87,7 +87,7 @@ impl Kernel for Neon {
         query: &mut Turned<16, K>,
     ) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::realign::<16, 4, K, S>(map, &node.planes, query) }
+        unsafe { dops::realign::<16, 4, K, S>(map, node, query) }
     }
 
     #[inline(always)]
@@ -98,7 +98,7 @@ impl Kernel for Neon {
         query: &mut Turned<4, K>,
     ) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::realign::<4, 1, K, S>(map, &node.planes, query) }
+        unsafe { dops::realign::<4, 1, K, S>(map, node, query) }
     }
 
     #[inline(always)]
