@@ -324,14 +324,17 @@ compiled_for_neon! {
     #[inline]
     pub(super) fn beyond<const W: usize, const Q: usize, const K: usize, S: Storage>(
         slab: &PrimitiveSlab,
-        planes: &[[i16; W]; K],
-    ) -> u16 {
+        node: &DopNode<W, K, S>,
+    ) -> u16
+    where
+        Arity<W>: Alignment,
+    {
         let [u, v, w] = slab.weights;
         // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let sources = slab.sources.map(|source| planes[usize::from(source) ^ side].as_chunks::<4>().0);
+            let sources = slab.sources.map(|source| node.planes[usize::from(source) ^ side].as_chunks::<4>().0);
             for quarter in 0..Q {
                 let [a, b, c] = sources.map(|plane| decode::<S>(load_4(&plane[quarter])));
                 // No fused multiply-add, as specified.

@@ -70,13 +70,13 @@ impl Kernel for Neon {
     #[inline(always)]
     fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::beyond::<16, 4, K, S>(slab, &node.planes) }
+        unsafe { dops::beyond::<16, 4, K, S>(slab, node) }
     }
 
     #[inline(always)]
     fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::beyond::<4, 1, K, S>(slab, &node.planes) }
+        unsafe { dops::beyond::<4, 1, K, S>(slab, node) }
     }
 
     #[inline(always)]
