@@ -6,8 +6,9 @@
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
 use crate::key::{EMPTY, Storage};
-use crate::node::{Node4, Node16};
+use crate::node::{Alignment, Arity, DopNode, Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
+use bytemuck::{Pod, Zeroable};
 use core::arch::aarch64::*;
 
 /// Whether to test after this slab if all lanes are already separated. Once only: the test costs a reduction and, half
@@ -15,6 +16,52 @@ use core::arch::aarch64::*;
 /// the exit pays from a smaller k.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 14 && slab == 3
+}
+
+/// Codes in as many bytes as a register's, and aligned to them. Targets without an operating system are compiled for
+/// memory without unaligned access (`strict-align`): there, vectors whose alignment compilers do not know are moved by
+/// halfwords, which takes three times the instructions of a kernel.
+#[derive(Copy, Clone, Pod, Zeroable)]
+#[repr(C, align(16))]
+struct Eight([i16; 8]);
+
+/// [`Eight`], for half a register.
+#[derive(Copy, Clone, Pod, Zeroable)]
+#[repr(C, align(8))]
+struct Four([i16; 4]);
+
+impl Eight {
+    #[inline(always)]
+    const fn load(&self) -> int16x8_t {
+        // SAFETY: both types have 16 bytes, and every pattern of bits is a vector.
+        unsafe { core::mem::transmute(*self) }
+    }
+}
+
+impl Four {
+    #[inline(always)]
+    const fn load(&self) -> int16x4_t {
+        // SAFETY: both types have 8 bytes, and every pattern of bits is a vector.
+        unsafe { core::mem::transmute(*self) }
+    }
+
+    #[inline(always)]
+    const fn store(&mut self, codes: int16x4_t) {
+        // SAFETY: both types have 8 bytes, and every pattern of bits is an array.
+        *self = unsafe { core::mem::transmute::<int16x4_t, Self>(codes) };
+    }
+}
+
+/// The lanes of `query`: in place if they are aligned, as in a traversal, else from `copy`.
+#[inline(always)]
+fn aligned<'q, const K: usize>(
+    query: &'q Turned<16, K>,
+    copy: &'q mut Option<[[Eight; 2]; K]>,
+) -> &'q [[Eight; 2]; K] {
+    match bytemuck::try_cast_ref(query) {
+        Ok(planes) => planes,
+        Err(_) => copy.insert(bytemuck::cast(*query)),
+    }
 }
 
 compiled_for_neon! {
@@ -96,10 +143,11 @@ compiled_for_neon! {
         lane: usize,
     ) -> u16 {
         let lane = lane & 15;
+        let mut copy = None;
         let mut separated = [vdupq_n_u16(0); 2];
-        for (query, planes) in query.iter().zip(&node.planes) {
+        for (query, planes) in aligned(query, &mut copy).iter().zip(&node.planes) {
             let plane = vdupq_n_s16(planes[lane]);
-            let [low, high] = halves(query);
+            let [low, high] = [query[0].load(), query[1].load()];
             separated = [
                 vorrq_u16(separated[0], vcgtq_s16(low, plane)),
                 vorrq_u16(separated[1], vcgtq_s16(high, plane)),
@@ -112,11 +160,12 @@ compiled_for_neon! {
 compiled_for_neon! {
     #[inline]
     pub(super) fn overlap_16v_hull<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>) -> u16 {
+        let mut copy = None;
         let mut separated = [vdupq_n_u16(0); 2];
-        for (query, planes) in query.iter().zip(&node.planes) {
+        for (query, planes) in aligned(query, &mut copy).iter().zip(&node.planes) {
             let [low, high] = halves(planes);
             let greatest = vdupq_n_s16(vmaxvq_s16(vmaxq_s16(low, high)));
-            let [low, high] = halves(query);
+            let [low, high] = [query[0].load(), query[1].load()];
             separated = [
                 vorrq_u16(separated[0], vcgtq_s16(low, greatest)),
                 vorrq_u16(separated[1], vcgtq_s16(high, greatest)),
@@ -234,9 +283,17 @@ compiled_for_neon! {
     #[inline]
     pub(super) fn realign<const W: usize, const Q: usize, const K: usize, S: Storage>(
         map: &Realignment<K, S>,
-        planes: &[[i16; W]; K],
+        node: &DopNode<W, K, S>,
         query: &mut Turned<W, K>,
-    ) {
+    ) where
+        Arity<W>: Alignment,
+    {
+        let planes = &node.planes;
+        let mut copy = None;
+        let turned: &mut [[Four; Q]; K] = match bytemuck::try_cast_mut(query) {
+            Ok(turned) => turned,
+            Err(_) => copy.insert([[Four([0; 4]); Q]; K]),
+        };
         let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
         for j in 0..K {
             for (quarter, codes) in decoded[j].iter_mut().zip(planes[j].as_chunks::<4>().0) {
@@ -245,20 +302,19 @@ compiled_for_neon! {
         }
         for j in 0..K {
             let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
-            for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            for (i, codes) in turned[j ^ 1].iter_mut().enumerate() {
                 // No fused multiply-add: it would round differently from the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
                 let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
-                let turned = encode_query::<S>(sum);
-                // SAFETY: the array has the 8 bytes written.
-                unsafe { vst1_s16(codes.as_mut_ptr(), turned) };
+                codes.store(encode_query::<S>(sum));
             }
         }
-        for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {
+        for (codes, first) in turned[0].iter_mut().zip(planes[0].as_chunks::<4>().0) {
             let unused = vceq_s16(load_4(first), vdup_n_s16(EMPTY));
-            let marked = vbsl_s16(unused, vdup_n_s16(SEPARATED), load_4(codes));
-            // SAFETY: the array has the 8 bytes written.
-            unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
+            codes.store(vbsl_s16(unused, vdup_n_s16(SEPARATED), codes.load()));
+        }
+        if let Some(copy) = copy {
+            *query = bytemuck::cast(copy);
         }
     }
 }
@@ -268,14 +324,17 @@ compiled_for_neon! {
     #[inline]
     pub(super) fn beyond<const W: usize, const Q: usize, const K: usize, S: Storage>(
         slab: &PrimitiveSlab,
-        planes: &[[i16; W]; K],
-    ) -> u16 {
+        node: &DopNode<W, K, S>,
+    ) -> u16
+    where
+        Arity<W>: Alignment,
+    {
         let [u, v, w] = slab.weights;
         // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let sources = slab.sources.map(|source| planes[usize::from(source) ^ side].as_chunks::<4>().0);
+            let sources = slab.sources.map(|source| node.planes[usize::from(source) ^ side].as_chunks::<4>().0);
             for quarter in 0..Q {
                 let [a, b, c] = sources.map(|plane| decode::<S>(load_4(&plane[quarter])));
                 // No fused multiply-add, as specified.

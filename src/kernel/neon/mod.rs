@@ -70,13 +70,13 @@ impl Kernel for Neon {
     #[inline(always)]
     fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::beyond::<16, 4, K, S>(slab, &node.planes) }
+        unsafe { dops::beyond::<16, 4, K, S>(slab, node) }
     }
 
     #[inline(always)]
     fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::beyond::<4, 1, K, S>(slab, &node.planes) }
+        unsafe { dops::beyond::<4, 1, K, S>(slab, node) }
     }
 
     #[inline(always)]
@@ -87,7 +87,7 @@ impl Kernel for Neon {
         query: &mut Turned<16, K>,
     ) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::realign::<16, 4, K, S>(map, &node.planes, query) }
+        unsafe { dops::realign::<16, 4, K, S>(map, node, query) }
     }
 
     #[inline(always)]
@@ -98,7 +98,7 @@ impl Kernel for Neon {
         query: &mut Turned<4, K>,
     ) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::realign::<4, 1, K, S>(map, &node.planes, query) }
+        unsafe { dops::realign::<4, 1, K, S>(map, node, query) }
     }
 
     #[inline(always)]

@@ -66,7 +66,7 @@ impl Query {
             verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.stats) {
                 Containment::Outside => {
                     if a.has_caps() || b.has_caps() {
-                        *verdict = self.on_caps(a, b, pose, &mut answer.stats);
+                        self.on_caps(a, b, pose, verdict, &mut answer.stats);
                     }
                 }
                 Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
@@ -75,7 +75,8 @@ impl Query {
         }
     }
 
-    /// Whether either body meets a cap of the other. The pair names a primitive beside the cap.
+    /// Replaces the verdict "free" if either body meets a cap of the other. The pair names a primitive beside the cap.
+    // In place, so that queries without caps copy no verdict.
     #[cold]
     #[inline(never)]
     fn on_caps<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
@@ -83,28 +84,27 @@ impl Query {
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
+        verdict: &mut Verdict,
         stats: &mut QueryStats,
-    ) -> Verdict {
+    ) {
         let query = self.with_hint(Hint::NONE);
         let (caps_a, caps_b) = (a.caps(), b.caps());
         if let Some(caps) = &caps_b {
             let answer = query.after(stats).first_pair(a, caps, pose, Touching);
             *stats = stats.and(&answer.stats);
-            match answer.verdict {
-                Verdict::Hit(pair) => return Verdict::Hit(Pair { b: b.source(pair.b), ..pair }),
-                Verdict::Free => {}
-                unknown @ Verdict::Unknown { .. } => return unknown,
-            }
+            *verdict = match answer.verdict {
+                Verdict::Hit(pair) => Verdict::Hit(Pair { b: b.source(pair.b), ..pair }),
+                verdict => verdict,
+            };
         }
-        if let Some(caps) = &caps_a {
+        if let (Some(caps), Verdict::Free) = (&caps_a, &verdict) {
             let answer = query.after(stats).first_pair(caps, b, pose, Touching);
             *stats = stats.and(&answer.stats);
-            return match answer.verdict {
+            *verdict = match answer.verdict {
                 Verdict::Hit(pair) => Verdict::Hit(Pair { a: a.source(pair.a), ..pair }),
                 verdict => verdict,
             };
         }
-        Verdict::Free
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.

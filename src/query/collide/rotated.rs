@@ -15,6 +15,8 @@ use crate::query::setup::Placing;
 #[derive(Debug)]
 // Aligned to a cache line: otherwise every second vector of 32 bytes, and every vector of 64, crosses a line.
 #[cfg_attr(simdop_x86, repr(C, align(64)))]
+// Aligned to a register: the kernels copy rows that are not.
+#[cfg_attr(simdop_neon, repr(C, align(16)))]
 pub(super) struct RotatedChildren<T> {
     pub(super) planes: T,
     pub(super) node: Child,
