@@ -35,7 +35,8 @@ fn in_rows<'py, T: Element>(
     let dtype = array.getattr("dtype")?;
     let kind: String = dtype.getattr("kind")?.extract()?;
     let is_empty = array.getattr("size")?.extract::<usize>()? == 0;
-    if !(kinds.contains(&kind) || is_empty && kind == "f") {
+    let is_number = kinds.contains(&kind) || is_empty && kind == "f";
+    if !is_number {
         let wanted = if kinds.contains('f') { "numbers" } else { "integers" };
         return Err(PyTypeError::new_err(format!("{name} must be {wanted}, not an array of {dtype}")));
     }
