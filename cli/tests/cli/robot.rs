@@ -81,8 +81,8 @@ fn the_built_in_arm_needs_no_file() {
     // Each configuration with its verdict, and a path of free motions for each problem.
     let report = folder.json(&["robot", "--edges", "0", "--pairs", "1", "--plan"]);
     let rows = report["problems"]["validity"]["rows"].as_array().unwrap();
-    assert_eq!(rows.len() as u64, configurations);
-    assert_eq!(rows.iter().filter(|row| row["valid"] == true).count() as u64, valid);
+    assert_eq!(rows.len(), configurations);
+    assert_eq!(rows.iter().filter(|row| row["valid"] == true).count(), valid);
     assert!(rows.iter().all(|row| row["bodies"].is_null() == (row["valid"] == true)), "{rows:?}");
     let plans = &report["problems"]["plans"];
     assert_eq!((&plans["solved"], &plans["problems"]), (&report["problems"]["problems"], &plans["problems"]));
