@@ -28,7 +28,7 @@ use overlaps::{
     overlaps_equal_the_scalar_kernel, roles_swapped_and_bodies_mirrored,
 };
 use primitive_slabs::primitive_slabs_equal_the_scalar_kernel;
-use realign::realignments_equal_the_scalar_kernel;
+use realign::{any_alignment, realignments_equal_the_scalar_kernel};
 use simdop::isa::{Isa, IsaError, on_isa};
 use support::data::notice;
 
@@ -63,6 +63,7 @@ macro_rules! laws {
                 any_one_lane_overlaps
                 roles_swapped_and_bodies_mirrored
                 lanes_permuted
+                any_alignment
             );
 
             #[test]

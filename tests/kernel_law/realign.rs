@@ -1,7 +1,7 @@
 //! The kernels that rotate planes into another frame.
 
 use crate::digest::{Digest, conclude, recorded};
-use crate::inputs::{MODES, Mode, each_pair, float, narrow_as, pool, wide_as};
+use crate::inputs::{MODES, Mode, each_pair, float, narrow, narrow_as, pair, pool, wide, wide_as};
 use crate::pairs;
 use crate::support::rng::Rng;
 use crate::trees::Trees;
@@ -97,4 +97,29 @@ where
     assert!(cfg!(miri) || met.into_iter().all(|count| share * count > met[0] + met[1]), "k {K}: {met:?}");
     let all = count * MODES.len() as u64;
     conclude(&format!("{name} k {K}: {all} re-alignments of 16 and of 4"), &digest, recorded);
+}
+
+/// Rotated planes at every address that their type may have, relative to a register's alignment.
+pub(crate) fn any_alignment<const K: usize>(kernel: impl Kernel, name: &str) {
+    let (mut rng, scalar) = (Rng::new(400 + K as u64), Scalar::new());
+    let map = any_map::<K, Fixed>(&mut rng);
+    for (offset, mode) in (0..8).zip(MODES.iter().cycle()) {
+        let (query, planes) = pair::<16, K>(&mut rng, *mode);
+        let (node, mut memory) = (wide(planes), vec![0; 16 * K + 8]);
+        let place: &mut [[i16; 16]; K] = memory[offset..][..16 * K].as_chunks_mut().0.try_into().unwrap();
+        kernel.realign_16(&map, &node, place);
+        assert_eq!(*place, turned_16(scalar, &map, &node), "{name} k {K}, 16 lanes at {offset}");
+        *place = query;
+        let column = rng.below(16) as usize;
+        let want = scalar.overlap_16v1(&query, &node, column);
+        assert_eq!(kernel.overlap_16v1(place, &node, column), want, "{name} k {K} at {offset}");
+        let want = scalar.overlap_16v_hull(&query, &node);
+        assert_eq!(kernel.overlap_16v_hull(place, &node), want, "{name} k {K}, hull, at {offset}");
+
+        let (_, planes) = pair::<4, K>(&mut rng, *mode);
+        let (node, mut memory) = (narrow(planes), vec![0; 4 * K + 8]);
+        let place: &mut [[i16; 4]; K] = memory[offset..][..4 * K].as_chunks_mut().0.try_into().unwrap();
+        kernel.realign_4(&map, &node, place);
+        assert_eq!(*place, turned_4(scalar, &map, &node), "{name} k {K}, 4 lanes at {offset}");
+    }
 }

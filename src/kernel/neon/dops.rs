@@ -20,7 +20,7 @@ const fn may_exit<const K: usize>(slab: usize) -> bool {
 
 /// Codes in as many bytes as a register's, and aligned to them. Targets without an operating system are compiled for
 /// memory without unaligned access (`strict-align`): there, vectors whose alignment compilers do not know are moved by
-/// halfwords, which takes three times the instructions of a kernel.
+/// halfwords.
 #[derive(Copy, Clone, Pod, Zeroable)]
 #[repr(C, align(16))]
 struct Eight([i16; 8]);
