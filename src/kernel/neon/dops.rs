@@ -33,22 +33,22 @@ struct Four([i16; 4]);
 impl Eight {
     #[inline(always)]
     const fn load(&self) -> int16x8_t {
-        // SAFETY: both types have 16 bytes, and every pattern of bits is a vector.
-        unsafe { core::mem::transmute(*self) }
+        // SAFETY: 16 bytes, aligned to 16 by the type, and every pattern of bits is a vector.
+        unsafe { (&raw const self.0).cast::<int16x8_t>().read() }
     }
 }
 
 impl Four {
     #[inline(always)]
     const fn load(&self) -> int16x4_t {
-        // SAFETY: both types have 8 bytes, and every pattern of bits is a vector.
-        unsafe { core::mem::transmute(*self) }
+        // SAFETY: 8 bytes, aligned to 8 by the type, and every pattern of bits is a vector.
+        unsafe { (&raw const self.0).cast::<int16x4_t>().read() }
     }
 
     #[inline(always)]
     const fn store(&mut self, codes: int16x4_t) {
-        // SAFETY: both types have 8 bytes, and every pattern of bits is an array.
-        *self = unsafe { core::mem::transmute::<int16x4_t, Self>(codes) };
+        // SAFETY: 8 bytes, aligned to 8 by the type, and every pattern of bits is an array.
+        unsafe { (&raw mut self.0).cast::<int16x4_t>().write(codes) };
     }
 }
 
