@@ -378,6 +378,13 @@ class body : public detail::shared<simdop_body, simdop_body_destroy> {
         });
     }
 
+    /* The convex hull of points. */
+    static result<body> hull(view<const vec3> points, simdop_storage storage = SIMDOP_STORAGE_FIXED) {
+        return made([&](simdop_body **body) {
+            return simdop_body_build_hull_as(points.data()->data(), points.size(), storage, body);
+        });
+    }
+
     static result<body> spheres(view<const sphere> spheres, simdop_storage storage = SIMDOP_STORAGE_FIXED) {
         return made([&](simdop_body **body) {
             return simdop_body_build_spheres_as(spheres.data()->data(), spheres.size(), storage, body);
@@ -509,6 +516,29 @@ inline result<simdop_penetration_answer> penetration(const body &a, const body &
                                                      std::uint64_t budget = no_budget) {
     return detail::answer<simdop_penetration_answer>([&](simdop_penetration_answer *answer) {
         return simdop_penetration(a.get(), b.get(), &a_in_b, budget, answer);
+    });
+}
+
+/* How deep solids of triangles, or shapes, are in each other. */
+inline result<simdop_depth_answer> depth(const body &a, const body &b, const pose &a_in_b,
+                                         std::uint64_t budget = no_budget) {
+    return detail::answer<simdop_depth_answer>(
+        [&](simdop_depth_answer *answer) { return simdop_depth(a.get(), b.get(), &a_in_b, budget, answer); });
+}
+
+inline result<simdop_signed_distance_answer> signed_distance(const body &a, const body &b, const pose &a_in_b,
+                                                             double tolerance = 0,
+                                                             std::uint64_t budget = no_budget) {
+    return detail::answer<simdop_signed_distance_answer>([&](simdop_signed_distance_answer *answer) {
+        return simdop_signed_distance(a.get(), b.get(), &a_in_b, tolerance, budget, answer);
+    });
+}
+
+/* Writes the contacts of triangles that fit. */
+inline result<simdop_contacts_answer> contacts(const body &a, const body &b, const pose &a_in_b,
+                                               view<simdop_contact> into, std::uint64_t budget = no_budget) {
+    return detail::answer<simdop_contacts_answer>([&](simdop_contacts_answer *answer) {
+        return simdop_contacts(a.get(), b.get(), &a_in_b, budget, into.data(), into.size(), answer);
     });
 }
 

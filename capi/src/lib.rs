@@ -10,6 +10,7 @@
 mod body;
 mod boundary;
 mod cloud;
+mod depth;
 #[cfg(feature = "urdf")]
 mod description;
 mod error;
@@ -38,6 +39,10 @@ pub use cloud::{
     simdop_cloud, simdop_cloud_build, simdop_cloud_build_with_room, simdop_cloud_destroy,
     simdop_cloud_get_size, simdop_cloud_insert, simdop_cloud_rebuild, simdop_cloud_refit,
     simdop_cloud_remove, simdop_cloud_size,
+};
+pub use depth::{
+    simdop_contact, simdop_contacts, simdop_contacts_answer, simdop_depth, simdop_depth_answer,
+    simdop_signed_distance, simdop_signed_distance_answer,
 };
 #[cfg(feature = "urdf")]
 pub use description::{

@@ -125,7 +125,12 @@ fn each_c_name_is_in_the_header() {
     // Every function of the header is reachable from C++.
     let cpp = read("capi/include/simdop.hpp");
     let called: Vec<&str> = cpp.split(|c: char| c != '_' && !c.is_alphanumeric()).collect();
-    let convenient = ["simdop_body_build_surface", "simdop_body_build_solid", "simdop_body_build_spheres"];
+    let convenient = [
+        "simdop_body_build_hull",
+        "simdop_body_build_surface",
+        "simdop_body_build_solid",
+        "simdop_body_build_spheres",
+    ];
     let convenient =
         [&convenient[..], &["simdop_body_build_shapes", "simdop_distance", "simdop_error_text"]].concat();
     for line in header.lines().filter(|line| line.contains('(') && !line.starts_with([' ', '#', '/'])) {

@@ -109,6 +109,8 @@ pub enum simdop_error {
     NotSpheres = 62,
     /// A buffer of the caller is too small.
     Buffer = 63,
+    /// The bodies of a query of depths or contacts are not both of triangles.
+    NotMeshes = 64,
 
     /// The body is not, or no longer, in the scene.
     SceneNoSuchBody = 70,
@@ -202,7 +204,7 @@ pub enum simdop_error {
     PlannerIsRobot = 144,
 }
 
-const TEXTS: [(simdop_error, &CStr); 88] = [
+const TEXTS: [(simdop_error, &CStr); 89] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -255,6 +257,7 @@ const TEXTS: [(simdop_error, &CStr); 88] = [
     (simdop_error::OtherStorage, c"the storage of a body differs from that of another"),
     (simdop_error::NotSpheres, c"the bodies of a volume query are not both of spheres"),
     (simdop_error::Buffer, c"a buffer of the caller is too small"),
+    (simdop_error::NotMeshes, c"the bodies of a query of depths or contacts are not both of triangles"),
     (simdop_error::SceneNoSuchBody, c"the body is not, or no longer, in the scene"),
     (simdop_error::SceneRadius, c"a body's radius is negative, NaN or too large"),
     (simdop_error::SceneIsAttached, c"the body is attached to another"),

@@ -1,0 +1,210 @@
+//! How deep two bodies are in each other, and where they touch.
+
+use crate::body::{View, simdop_body};
+use crate::boundary::{answered, given, places};
+use crate::error::{Failure, simdop_error};
+use crate::pose::simdop_pose;
+use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats};
+use simdop::query::{DepthInterval, SignedDistance, TriangleContact};
+use std::mem::MaybeUninit;
+
+/// Tolerance of the depth of two shapes.
+const TIGHT: f64 = 1e-12;
+
+/// The depth of two bodies that meet.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_depth_answer {
+    /// Unless complete, the bounds may be loose, but are valid.
+    pub completion: simdop_completion,
+    /// No shorter translation of A separates the bodies. Zero if they are free, or if nothing is known of their insides.
+    pub lower: f64,
+    /// The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was spent
+    /// before any translation was found.
+    pub upper: f64,
+    /// After this translation, in B's frame, A is free.
+    pub translation: [f64; 3],
+    /// Query statistics.
+    pub stats: simdop_query_stats,
+}
+
+impl From<DepthInterval> for simdop_depth_answer {
+    fn from(found: DepthInterval) -> Self {
+        Self {
+            completion: found.completion.into(),
+            lower: found.lower,
+            upper: found.upper,
+            translation: found.translation,
+            stats: found.stats.into(),
+        }
+    }
+}
+
+/// The distance of two bodies, negative where they meet.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_signed_distance_answer {
+    /// Unless complete, the bounds may be loose, but are valid.
+    pub completion: simdop_completion,
+    /// Lower bound: of bodies that meet, minus the upper bound of their depth.
+    pub lower: f64,
+    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    pub upper: f64,
+    /// The unit vector, in B's frame, along which a translation of A raises the distance the fastest. Zeros if none is
+    /// known.
+    pub normal: [f64; 3],
+    /// The point of A, in B's frame.
+    pub a: [f64; 3],
+    /// The point of B.
+    pub b: [f64; 3],
+    /// The derivative by the pose: three numbers for a translation of A along the axes of B's frame, then three for a
+    /// rotation about them, in radians.
+    pub gradient: [f64; 6],
+    /// Query statistics.
+    pub stats: simdop_query_stats,
+}
+
+impl From<SignedDistance> for simdop_signed_distance_answer {
+    fn from(found: SignedDistance) -> Self {
+        Self {
+            completion: found.completion.into(),
+            lower: found.lower,
+            upper: found.upper,
+            normal: found.normal,
+            a: found.a,
+            b: found.b,
+            gradient: found.gradient,
+            stats: found.stats.into(),
+        }
+    }
+}
+
+/// The intersection of two triangles: a segment, or a convex polygon of triangles in one plane.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_contact {
+    /// The triangles.
+    pub pair: simdop_pair,
+    /// The unit normal of A's triangle in B's frame; zeros of a triangle without area.
+    pub normal_a: [f64; 3],
+    /// The unit normal of B's triangle.
+    pub normal_b: [f64; 3],
+    /// Number of points: 1 or 2 of a point or segment, 3 to 6 of a polygon.
+    pub count: usize,
+    /// The points in B's frame; zeros beyond `count`.
+    pub points: [[f64; 3]; 6],
+}
+
+impl From<&TriangleContact> for simdop_contact {
+    fn from(contact: &TriangleContact) -> Self {
+        let mut points = [[0.0; 3]; 6];
+        points[..contact.points().len()].copy_from_slice(contact.points());
+        Self {
+            pair: contact.pair.into(),
+            normal_a: contact.normal_a,
+            normal_b: contact.normal_b,
+            count: contact.points().len(),
+            points,
+        }
+    }
+}
+
+/// The contacts that were written, and how the query ended.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct simdop_contacts_answer {
+    /// Complete if all contacts were written, stopped if there was no room for another.
+    pub completion: simdop_completion,
+    /// Number of contacts written.
+    pub count: usize,
+    /// Query statistics.
+    pub stats: simdop_query_stats,
+}
+
+fn not_meshes(what: &str) -> Failure {
+    Failure::new(simdop_error::NotMeshes, format!("{what} that are not both of triangles"))
+}
+
+/// How deep are two solids of triangles, or two shapes, in each other, and which way out is the shortest? Other bodies
+/// are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_depth(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_depth_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
+        Ok(match Both::new(a, b)? {
+            Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.depth(&a, &b, &pose, None),
+            Both::Half(View::Mesh(a), View::Mesh(b)) => query.depth(&a, &b, &pose, None),
+            Both::Fixed(View::Shape(a), View::Shape(b)) => query.depth_shapes(a, b, &pose, TIGHT),
+            _ => return Err(not_meshes("the depth of bodies")),
+        }
+        .into())
+    })
+}
+
+/// How far apart are two solids of triangles, or how deep in each other, with the derivative by the pose? `tolerance` is
+/// that of simdop_distance(). Other bodies are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_signed_distance(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    tolerance: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_signed_distance_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
+        Ok(match Both::new(a, b)? {
+            Both::Fixed(View::Mesh(a), View::Mesh(b)) => {
+                query.signed_distance(&a, &b, &pose, tolerance, None)?
+            }
+            Both::Half(View::Mesh(a), View::Mesh(b)) => {
+                query.signed_distance(&a, &b, &pose, tolerance, None)?
+            }
+            _ => return Err(not_meshes("the signed distance of bodies")),
+        }
+        .into())
+    })
+}
+
+/// Where do the triangles of two bodies touch? Writes at most `room` contacts, and allocates as many during the call. Other bodies are SIMDOP_ERROR_NOT_MESHES.
+/// Otherwise like simdop_collide().
+///
+/// # Safety
+/// `contacts` has room for `room` contacts.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_contacts(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    budget: u64,
+    contacts: *mut simdop_contact,
+    room: usize,
+    answer: Option<&mut MaybeUninit<simdop_contacts_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
+        // SAFETY: the caller guarantees the length.
+        let places = unsafe { places(contacts, room, "contacts") }?;
+        let mut found = vec![TriangleContact::default(); room];
+        let ended = match Both::new(a, b)? {
+            Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.contacts(&a, &b, &pose, &mut found),
+            Both::Half(View::Mesh(a), View::Mesh(b)) => query.contacts(&a, &b, &pose, &mut found),
+            _ => return Err(not_meshes("the contacts of bodies")),
+        };
+        for (place, contact) in places.iter_mut().zip(&found[..ended.count]) {
+            place.write(contact.into());
+        }
+        Ok(simdop_contacts_answer {
+            completion: ended.completion.into(),
+            count: ended.count,
+            stats: ended.stats.into(),
+        })
+    })
+}
