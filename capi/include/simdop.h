@@ -269,6 +269,10 @@ typedef enum {
    */
   SIMDOP_ERROR_BUFFER = 63,
   /**
+   * The bodies of a query of depths or contacts are not both of triangles.
+   */
+  SIMDOP_ERROR_NOT_MESHES = 64,
+  /**
    * The body is not, or no longer, in the scene.
    */
   SIMDOP_ERROR_SCENE_NO_SUCH_BODY = 70,
@@ -690,6 +694,157 @@ typedef struct {
   size_t capacity;
 } simdop_cloud_size;
 
+/**
+ * Query statistics: the same on every machine.
+ */
+typedef struct {
+  /**
+   * Pairs of nodes, or of a node and a leaf, visited: the unit of the budget.
+   */
+  uint64_t visits;
+  /**
+   * Calls of an overlap kernel.
+   */
+  uint64_t kernels;
+  /**
+   * Nodes whose children were realigned into the other body's frame.
+   */
+  uint64_t realignments;
+  /**
+   * Pairs of primitives tested.
+   */
+  uint64_t primitive_pairs;
+  /**
+   * Pairs of primitives that needed exact arithmetic.
+   */
+  uint64_t exact_pairs;
+} simdop_query_stats;
+
+/**
+ * The depth of two bodies that meet.
+ */
+typedef struct {
+  /**
+   * Unless complete, the bounds may be loose, but are valid.
+   */
+  simdop_completion completion;
+  /**
+   * No shorter translation of A separates the bodies. Zero if they are free, or if nothing is known of their insides.
+   */
+  double lower;
+  /**
+   * The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was spent
+   * before any translation was found.
+   */
+  double upper;
+  /**
+   * After this translation, in B's frame, A is free.
+   */
+  double translation[3];
+  /**
+   * Query statistics.
+   */
+  simdop_query_stats stats;
+} simdop_depth_answer;
+
+/**
+ * The distance of two bodies, negative where they meet.
+ */
+typedef struct {
+  /**
+   * Unless complete, the bounds may be loose, but are valid.
+   */
+  simdop_completion completion;
+  /**
+   * Lower bound: of bodies that meet, minus the upper bound of their depth.
+   */
+  double lower;
+  /**
+   * Upper bound: of bodies that meet, minus the lower bound of their depth.
+   */
+  double upper;
+  /**
+   * The unit vector, in B's frame, along which a translation of A raises the distance the fastest. Zeros if none is
+   * known.
+   */
+  double normal[3];
+  /**
+   * The point of A, in B's frame.
+   */
+  double a[3];
+  /**
+   * The point of B.
+   */
+  double b[3];
+  /**
+   * The derivative by the pose: three numbers for a translation of A along the axes of B's frame, then three for a
+   * rotation about them, in radians.
+   */
+  double gradient[6];
+  /**
+   * Query statistics.
+   */
+  simdop_query_stats stats;
+} simdop_signed_distance_answer;
+
+/**
+ * Two primitives, by their indices at construction; SIMDOP_NO_PRIMITIVE if there are none.
+ */
+typedef struct {
+  /**
+   * Primitive of body A.
+   */
+  uint32_t a;
+  /**
+   * Primitive of body B.
+   */
+  uint32_t b;
+} simdop_pair;
+
+/**
+ * The intersection of two triangles: a segment, or a convex polygon of triangles in one plane.
+ */
+typedef struct {
+  /**
+   * The triangles.
+   */
+  simdop_pair pair;
+  /**
+   * The unit normal of A's triangle in B's frame; zeros of a triangle without area.
+   */
+  double normal_a[3];
+  /**
+   * The unit normal of B's triangle.
+   */
+  double normal_b[3];
+  /**
+   * Number of points: 1 or 2 of a point or segment, 3 to 6 of a polygon.
+   */
+  size_t count;
+  /**
+   * The points in B's frame; zeros beyond `count`.
+   */
+  double points[6][3];
+} simdop_contact;
+
+/**
+ * The contacts that were written, and how the query ended.
+ */
+typedef struct {
+  /**
+   * Complete if all contacts were written, stopped if there was no room for another.
+   */
+  simdop_completion completion;
+  /**
+   * Number of contacts written.
+   */
+  size_t count;
+  /**
+   * Query statistics.
+   */
+  simdop_query_stats stats;
+} simdop_contacts_answer;
+
 #if defined(SIMDOP_URDF)
 /**
  * How much a description holds.
@@ -786,50 +941,10 @@ typedef struct {
 } simdop_packing;
 
 /**
- * Two primitives, by their indices at construction; SIMDOP_NO_PRIMITIVE if there are none.
- */
-typedef struct {
-  /**
-   * Primitive of body A.
-   */
-  uint32_t a;
-  /**
-   * Primitive of body B.
-   */
-  uint32_t b;
-} simdop_pair;
-
-/**
  * Called with each pair of primitives that meet. Returns 0 to go on, anything else to stop. It must return, without an
  * exception or a longjmp().
  */
 typedef int (*simdop_on_pair)(void *user, const simdop_pair *pair);
-
-/**
- * Query statistics: the same on every machine.
- */
-typedef struct {
-  /**
-   * Pairs of nodes, or of a node and a leaf, visited: the unit of the budget.
-   */
-  uint64_t visits;
-  /**
-   * Calls of an overlap kernel.
-   */
-  uint64_t kernels;
-  /**
-   * Nodes whose children were realigned into the other body's frame.
-   */
-  uint64_t realignments;
-  /**
-   * Pairs of primitives tested.
-   */
-  uint64_t primitive_pairs;
-  /**
-   * Pairs of primitives that needed exact arithmetic.
-   */
-  uint64_t exact_pairs;
-} simdop_query_stats;
 
 /**
  * The answer of simdop_each_pair().
@@ -1582,6 +1697,42 @@ simdop_error simdop_cloud_get_size(const simdop_cloud *cloud, simdop_cloud_size 
  * Destroys a cloud. Does nothing for NULL.
  */
 void simdop_cloud_destroy(simdop_cloud *cloud);
+
+/**
+ * How deep are two solids of triangles, or two shapes, in each other, and which way out is the shortest? Other bodies
+ * are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+ */
+simdop_error simdop_depth(const simdop_body *a,
+                          const simdop_body *b,
+                          const simdop_pose *a_in_b,
+                          uint64_t budget,
+                          simdop_depth_answer *answer);
+
+/**
+ * How far apart are two solids of triangles, or how deep in each other, with the derivative by the pose? `tolerance` is
+ * that of simdop_distance(). Other bodies are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+ */
+simdop_error simdop_signed_distance(const simdop_body *a,
+                                    const simdop_body *b,
+                                    const simdop_pose *a_in_b,
+                                    double tolerance,
+                                    uint64_t budget,
+                                    simdop_signed_distance_answer *answer);
+
+/**
+ * Where do the triangles of two bodies touch? Writes at most `room` contacts, and allocates as many during the call. Other bodies are SIMDOP_ERROR_NOT_MESHES.
+ * Otherwise like simdop_collide().
+ *
+ * # Safety
+ * `contacts` has room for `room` contacts.
+ */
+simdop_error simdop_contacts(const simdop_body *a,
+                             const simdop_body *b,
+                             const simdop_pose *a_in_b,
+                             uint64_t budget,
+                             simdop_contact *contacts,
+                             size_t room,
+                             simdop_contacts_answer *answer);
 
 #if defined(SIMDOP_URDF)
 /**

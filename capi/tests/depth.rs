@@ -87,10 +87,10 @@ fn bodies_of_other_kinds_are_refused() {
     assert!((balls.upper - expected).abs() < 1e-9 && (balls.lower - expected).abs() < 1e-9, "{balls:?}");
     let depth = answer(|to| simdop_depth(ball, mesh, at, SIMDOP_NO_BUDGET, to)).unwrap_err();
     let signed = answer(|to| simdop_signed_distance(ball, ball, at, 0.0, SIMDOP_NO_BUDGET, to)).unwrap_err();
-    // SAFETY: no contacts, and no room.
-    let contacts = answer(|to| unsafe {
-        simdop_contacts(ball, mesh, at, SIMDOP_NO_BUDGET, std::ptr::null_mut(), 0, to)
-    });
+    let mut room = Vec::with_capacity(1);
+    // SAFETY: there is room for one.
+    let contacts =
+        answer(|to| unsafe { simdop_contacts(ball, mesh, at, SIMDOP_NO_BUDGET, room.as_mut_ptr(), 1, to) });
     assert_eq!([depth, signed, contacts.unwrap_err()], [simdop_error::NotMeshes; 3]);
     let negative = answer(|to| simdop_signed_distance(mesh, mesh, at, -1.0, SIMDOP_NO_BUDGET, to));
     assert_eq!(negative.unwrap_err(), simdop_error::Tolerance);
