@@ -268,9 +268,11 @@ fn of_queries() -> Vec<simdop_error> {
         simdop_each_pair(body, ball, Some(&IDENTITY), SIMDOP_NO_BUDGET, Some(go_on), user, pairs)
     });
     let volume = answer(|volume| simdop_penetration(body, body, Some(&IDENTITY), SIMDOP_NO_BUDGET, volume));
+    let depth = answer(|depth| simdop_depth(ball, body, Some(&IDENTITY), SIMDOP_NO_BUDGET, depth));
     vec![
         order.unwrap_err(),
         volume.unwrap_err(),
+        depth.unwrap_err(),
         not_rigid,
         placed(0, 3, f64::NAN),
         placed(0, 3, 1e300),
