@@ -26,7 +26,8 @@
 //! **Moving points**, such as those of a lidar, have trees of their own ([`cloud`]). They answer range and
 //! nearest-neighbour queries, and collision and distance queries between a robot and the points.
 //!
-//! **Many bodies**, such as a robot among obstacles and scanned points, form a [`scene`].
+//! **Many bodies**, such as a robot among obstacles and scanned points, form a [`scene`]. With the feature `planning`, the
+//! module `planning` owns a robot from its URDF and what it stands among.
 //!
 //! # Advice
 //!
@@ -146,6 +147,8 @@
 //! | `gpu` | no | construction (`construct::gpu`) and point search (`cloud::gpu`) by wgpu, same bytes; implies `std` |
 //! | `mint`, `nalgebra` | no | poses from the types of these crates |
 //! | `urdf` | no | robots from URDF and SRDF files; implies `std` |
+//! | `mesh-io` | no | readers of mesh files and clouds of points; implies `std` |
+//! | `planning` | no | a robot among objects, queried by values of joints; implies `urdf` and `mesh-io` |
 //!
 //! Without `std`, instruction sets are detected by CPUID and XCR0 on x86-64, and by the compilation target on
 //! aarch64.
