@@ -43,6 +43,8 @@
 
 mod body;
 mod bytes;
+#[cfg(feature = "alloc")]
+mod depth_image;
 mod distance;
 mod error;
 #[cfg(feature = "gpu")]
@@ -65,6 +67,8 @@ mod view;
 
 pub use body::Contact;
 pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
+#[cfg(feature = "alloc")]
+pub use depth_image::{DepthImage, DepthImageError, Pinhole};
 pub use error::{CloudError, SearchError};
 pub use list::List;
 #[cfg(feature = "alloc")]
