@@ -23,14 +23,14 @@ const fn may_exit<const K: usize>(slab: usize) -> bool {
 /// halfwords.
 #[derive(Copy, Clone, Pod, Zeroable)]
 #[repr(C, align(16))]
-struct Eight([i16; 8]);
+struct AlignedEight([i16; 8]);
 
-/// [`Eight`], for half a register.
+/// [`AlignedEight`], for half a register.
 #[derive(Copy, Clone, Pod, Zeroable)]
 #[repr(C, align(8))]
-struct Four([i16; 4]);
+struct AlignedFour([i16; 4]);
 
-impl Eight {
+impl AlignedEight {
     #[inline(always)]
     const fn load(&self) -> int16x8_t {
         // SAFETY: 16 bytes, aligned to 16 by the type, and every pattern of bits is a vector.
@@ -38,7 +38,7 @@ impl Eight {
     }
 }
 
-impl Four {
+impl AlignedFour {
     #[inline(always)]
     const fn load(&self) -> int16x4_t {
         // SAFETY: 8 bytes, aligned to 8 by the type, and every pattern of bits is a vector.
@@ -56,8 +56,8 @@ impl Four {
 #[inline(always)]
 fn aligned<'q, const K: usize>(
     query: &'q Turned<16, K>,
-    copy: &'q mut Option<[[Eight; 2]; K]>,
-) -> &'q [[Eight; 2]; K] {
+    copy: &'q mut Option<[[AlignedEight; 2]; K]>,
+) -> &'q [[AlignedEight; 2]; K] {
     match bytemuck::try_cast_ref(query) {
         Ok(planes) => planes,
         Err(_) => copy.insert(bytemuck::cast(*query)),
@@ -193,7 +193,7 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// Four codes, as floats.
+    /// AlignedFour codes, as floats.
     #[inline]
     fn decode<S: Storage>(codes: int16x4_t) -> float32x4_t {
         if S::IS_HALF { decode_halves(codes) } else { vcvtq_f32_s32(vmovl_s16(codes)) }
@@ -290,9 +290,9 @@ compiled_for_neon! {
     {
         let planes = &node.planes;
         let mut copy = None;
-        let turned: &mut [[Four; Q]; K] = match bytemuck::try_cast_mut(query) {
+        let turned: &mut [[AlignedFour; Q]; K] = match bytemuck::try_cast_mut(query) {
             Ok(turned) => turned,
-            Err(_) => copy.insert([[Four([0; 4]); Q]; K]),
+            Err(_) => copy.insert([[AlignedFour([0; 4]); Q]; K]),
         };
         let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
         for j in 0..K {
