@@ -104,14 +104,14 @@ impl<'a> DepthImage<'a> {
     /// # Errors
     /// [`CloudError`]: too many points, or one beyond the range of `f32`.
     pub fn cloud(&self, camera: &Pose, cell: f32) -> Result<PointCloud, CloudError> {
-        let mut grid = Grid::new(cell);
+        let mut grid = CubeGrid::new(cell);
         let points: Vec<[f32; 3]> = self.points(camera).filter(|point| grid.is_first(point)).collect();
         PointCloud::new(&points)
     }
 }
 
 /// The cubes of a grid that hold a point: a hash table with linear probing.
-struct Grid {
+struct CubeGrid {
     /// Points in each unit of length; 0 without a grid.
     scale: f32,
     cubes: Vec<Option<[i32; 3]>>,
@@ -120,7 +120,7 @@ struct Grid {
     last: Option<[i32; 3]>,
 }
 
-impl Grid {
+impl CubeGrid {
     fn new(cell: f32) -> Self {
         let scale = if cell > 0.0 { 1.0 / cell } else { 0.0 };
         Self { scale, cubes: vec![None; 1 << 12], used: 0, last: None }
@@ -222,7 +222,7 @@ mod tests {
     fn a_grid_keeps_the_first_of_each_cube() {
         let mut rng = Rng::new(2);
         for cell in [0.01_f32, 0.05, 1.0] {
-            let mut grid = Grid::new(cell);
+            let mut grid = CubeGrid::new(cell);
             let mut known = BTreeMap::new();
             for _ in 0..60_000 {
                 let point: [f32; 3] = core::array::from_fn(|_| rng.range(-0.4, 0.4) as f32);
@@ -234,9 +234,9 @@ mod tests {
                 assert!(distance < 3.0_f32.sqrt() * cell * (1.0 + 1e-5));
             }
         }
-        let mut far = Grid::new(1e-30);
+        let mut far = CubeGrid::new(1e-30);
         assert!(far.is_first(&[1.0; 3]) && far.is_first(&[1.0; 3]), "cubes without a number keep all");
-        let mut none = Grid::new(0.0);
+        let mut none = CubeGrid::new(0.0);
         assert!(none.is_first(&[1.0; 3]) && none.is_first(&[1.0; 3]));
     }
 }

@@ -193,7 +193,7 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// AlignedFour codes, as floats.
+    /// Four codes, as floats.
     #[inline]
     fn decode<S: Storage>(codes: int16x4_t) -> float32x4_t {
         if S::IS_HALF { decode_halves(codes) } else { vcvtq_f32_s32(vmovl_s16(codes)) }
