@@ -203,6 +203,8 @@ pub mod planning;
 pub mod pose;
 pub mod primitive;
 pub mod query;
+#[cfg(feature = "alloc")]
+mod random;
 pub mod range;
 mod realign;
 #[cfg(feature = "urdf")]

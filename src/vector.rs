@@ -21,6 +21,17 @@ pub(crate) fn cross<T: Copy + Sub<Output = T> + Mul<Output = T>>(a: &[T; 3], b: 
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// The unit vector along a direction; `None` if the direction is zero or not finite.
+pub(crate) fn unit(direction: &[f64; 3]) -> Option<[f64; 3]> {
+    let greatest = direction.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if !(greatest > 0.0 && greatest.is_finite()) || direction.iter().any(|x| x.is_nan()) {
+        return None;
+    }
+    let scaled = direction.map(|x| x / greatest);
+    let length = length(&scaled);
+    Some(scaled.map(|x| x / length))
+}
+
 /// The square root of [`dot`] of a vector with itself.
 #[inline(always)]
 pub(crate) fn length(a: &[f64; 3]) -> f64 {

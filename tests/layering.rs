@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
 const LAYERS: [&[&str]; 14] = [
-    &["range", "parallel", "vector"],
+    &["range", "parallel", "random", "vector"],
     &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
     &["primitive", "motion"],

@@ -7,6 +7,7 @@ use crate::pose::simdop_pose;
 use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats};
 use simdop::query::{DepthInterval, SignedDistance, TriangleContact};
 use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
 
 /// Tolerance of the depth of two shapes.
 const TIGHT: f64 = 1e-12;
@@ -95,8 +96,8 @@ pub struct simdop_contact {
     pub points: [[f64; 3]; 6],
 }
 
-impl From<&TriangleContact> for simdop_contact {
-    fn from(contact: &TriangleContact) -> Self {
+impl From<TriangleContact> for simdop_contact {
+    fn from(contact: TriangleContact) -> Self {
         let mut points = [[0.0; 3]; 6];
         points[..contact.points().len()].copy_from_slice(contact.points());
         Self {
@@ -173,7 +174,7 @@ pub extern "C" fn simdop_signed_distance(
     })
 }
 
-/// Where do the triangles of two bodies touch? Writes at most `room` contacts, and allocates as many during the call. Other bodies are SIMDOP_ERROR_NOT_MESHES.
+/// Where do the triangles of two bodies touch? Writes at most `room` contacts. Other bodies are SIMDOP_ERROR_NOT_MESHES.
 /// Otherwise like simdop_collide().
 ///
 /// # Safety
@@ -192,19 +193,18 @@ pub unsafe extern "C" fn simdop_contacts(
         let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
         // SAFETY: the caller guarantees the length.
         let places = unsafe { places(contacts, room, "contacts") }?;
-        let mut found = vec![TriangleContact::default(); room];
-        let ended = match Both::new(a, b)? {
-            Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.contacts(&a, &b, &pose, &mut found),
-            Both::Half(View::Mesh(a), View::Mesh(b)) => query.contacts(&a, &b, &pose, &mut found),
+        let mut count = 0;
+        let write = |contact: TriangleContact| {
+            let Some(place) = places.get_mut(count) else { return ControlFlow::Break(()) };
+            place.write(contact.into());
+            count += 1;
+            ControlFlow::Continue(())
+        };
+        let (completion, stats) = match Both::new(a, b)? {
+            Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.for_each_contact(&a, &b, &pose, write),
+            Both::Half(View::Mesh(a), View::Mesh(b)) => query.for_each_contact(&a, &b, &pose, write),
             _ => return Err(not_meshes("the contacts of bodies")),
         };
-        for (place, contact) in places.iter_mut().zip(&found[..ended.count]) {
-            place.write(contact.into());
-        }
-        Ok(simdop_contacts_answer {
-            completion: ended.completion.into(),
-            count: ended.count,
-            stats: ended.stats.into(),
-        })
+        Ok(simdop_contacts_answer { completion: completion.into(), count, stats: stats.into() })
     })
 }

@@ -22,7 +22,6 @@ mod planner;
 mod pose;
 mod query;
 mod range;
-mod reversed;
 mod robot;
 mod scene;
 mod shape;

@@ -4,12 +4,44 @@ use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats, with_bodies};
+use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats};
 use simdop::primitive::shape;
 use simdop::query::{Completion, Pair, Penetration, QueryStats};
 use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
+
+/// Evaluates one of four expressions with both bodies, whatever their storage and primitives: of two trees, of a shape
+/// and a tree, of a tree and a shape, or of two shapes.
+macro_rules! with_bodies {
+    ($both:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
+        match $both {
+            Both::Fixed(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
+            Both::Half(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
+        }
+    };
+    (
+        of $of_a:ident, $of_b:ident, |$a:ident, $b:ident|
+        $trees:expr, $beside:expr, $reversed:expr, $shapes:expr
+    ) => {
+        match ($of_a, $of_b) {
+            (View::Mesh($a), View::Mesh($b)) => $trees,
+            (View::Mesh($a), View::Spheres($b)) => $trees,
+            (View::Mesh($a), View::Shapes($b)) => $trees,
+            (View::Spheres($a), View::Mesh($b)) => $trees,
+            (View::Spheres($a), View::Spheres($b)) => $trees,
+            (View::Spheres($a), View::Shapes($b)) => $trees,
+            (View::Shapes($a), View::Mesh($b)) => $trees,
+            (View::Shapes($a), View::Spheres($b)) => $trees,
+            (View::Shapes($a), View::Shapes($b)) => $trees,
+            (View::Shape($a), View::Mesh($b)) => $beside,
+            (View::Shape($a), View::Spheres($b)) => $beside,
+            (View::Shape($a), View::Shapes($b)) => $beside,
+            (View::Shape($a), View::Shape($b)) => $shapes,
+            ($a, View::Shape($b)) => $reversed,
+        }
+    };
+}
 
 /// Called with each pair of primitives that meet. Returns 0 to go on, anything else to stop. It must return, without an
 /// exception or a longjmp().

@@ -270,6 +270,14 @@ pub extern "C" fn simdop_planner_forbid_collision(
     })
 }
 
+/// What each query takes.
+fn both<'p>(
+    planner: Option<&'p simdop_planner>,
+    workspace: Option<&'p mut simdop_workspace>,
+) -> Result<(&'p PlanningScene, &'p mut Workspace), Failure> {
+    Ok((&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0))
+}
+
 /// Do two bodies come within `margin` of each other in a configuration? `values` has a number for each variable that is
 /// planned for. With the margin 0, it is free if none meet.
 ///
@@ -284,7 +292,7 @@ pub unsafe extern "C" fn simdop_planner_within(
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let (planner, workspace) = (&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0);
+        let (planner, workspace) = both(planner, workspace)?;
         // SAFETY: the caller guarantees the length.
         let values = unsafe { items(values, planner.variables(), "values") }?;
         Ok(planner.within(workspace, values, margin)?.into())
@@ -307,7 +315,7 @@ pub unsafe extern "C" fn simdop_planner_check_states(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> simdop_error {
     answered(count, || {
-        let (planner, workspace) = (&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0);
+        let (planner, workspace) = both(planner, workspace)?;
         let variables = planner.variables();
         let all = variables.checked_mul(state_count);
         let all = all.ok_or_else(|| Failure::new(simdop_error::TooLarge, "values".into()))?;
@@ -341,7 +349,7 @@ pub unsafe extern "C" fn simdop_planner_check_motion(
     answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let (planner, workspace) = (&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0);
+        let (planner, workspace) = both(planner, workspace)?;
         // SAFETY: the caller guarantees the length.
         let from = unsafe { items(from, planner.variables(), "from") }?;
         // SAFETY: as above.
@@ -364,7 +372,7 @@ pub unsafe extern "C" fn simdop_planner_clearance(
     answer: Option<&mut MaybeUninit<simdop_scene_clearance_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let (planner, workspace) = (&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0);
+        let (planner, workspace) = both(planner, workspace)?;
         // SAFETY: the caller guarantees the length.
         let values = unsafe { items(values, planner.variables(), "values") }?;
         Ok(planner.clearance(workspace, values, tolerance, cutoff)?.into())

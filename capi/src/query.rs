@@ -4,11 +4,11 @@ use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given, guarded, items, places};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use crate::reversed;
 use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Hint, Pair, Query, QueryStats, Verdict};
+use simdop::scene::BodyTree;
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
@@ -200,40 +200,6 @@ pub(crate) fn isa() -> Isa {
     *ISA
 }
 
-/// Evaluates one of four expressions with both bodies, whatever their storage and primitives: of two trees, of a shape
-/// and a tree, of a tree and a shape, or of two shapes.
-macro_rules! with_bodies {
-    ($both:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
-        match $both {
-            $crate::query::Both::Fixed(a, b) => $crate::query::with_bodies!(of a, b, |$a, $b| $($of),*),
-            $crate::query::Both::Half(a, b) => $crate::query::with_bodies!(of a, b, |$a, $b| $($of),*),
-        }
-    };
-    (
-        of $of_a:ident, $of_b:ident, |$a:ident, $b:ident|
-        $trees:expr, $beside:expr, $reversed:expr, $shapes:expr
-    ) => {
-        match ($of_a, $of_b) {
-            ($crate::body::View::Mesh($a), $crate::body::View::Mesh($b)) => $trees,
-            ($crate::body::View::Mesh($a), $crate::body::View::Spheres($b)) => $trees,
-            ($crate::body::View::Mesh($a), $crate::body::View::Shapes($b)) => $trees,
-            ($crate::body::View::Spheres($a), $crate::body::View::Mesh($b)) => $trees,
-            ($crate::body::View::Spheres($a), $crate::body::View::Spheres($b)) => $trees,
-            ($crate::body::View::Spheres($a), $crate::body::View::Shapes($b)) => $trees,
-            ($crate::body::View::Shapes($a), $crate::body::View::Mesh($b)) => $trees,
-            ($crate::body::View::Shapes($a), $crate::body::View::Spheres($b)) => $trees,
-            ($crate::body::View::Shapes($a), $crate::body::View::Shapes($b)) => $trees,
-            ($crate::body::View::Shape($a), $crate::body::View::Mesh($b)) => $beside,
-            ($crate::body::View::Shape($a), $crate::body::View::Spheres($b)) => $beside,
-            ($crate::body::View::Shape($a), $crate::body::View::Shapes($b)) => $beside,
-            ($crate::body::View::Shape($a), $crate::body::View::Shape($b)) => $shapes,
-            ($a, $crate::body::View::Shape($b)) => $reversed,
-        }
-    };
-}
-
-pub(crate) use with_bodies;
-
 /// Two bodies that go together.
 #[derive(Copy, Clone)]
 pub(crate) enum Both<'a> {
@@ -256,33 +222,28 @@ impl<'a> Both<'a> {
     }
 
     fn collide(self, query: &Query, pose: &Pose) -> Result<Answer, Failure> {
-        Ok(with_bodies!(
-            self,
-            |a, b| query.collide(&a, &b, pose),
-            query.collide_shape(a, &b, pose),
-            reversed::within(query, a, b, pose, 0.0)?,
-            query.collide_shapes(a, b, pose),
-        ))
+        Ok(match self {
+            Self::Fixed(a, b) => BodyTree::from(a).collide(query, &b.into(), pose)?,
+            Self::Half(a, b) => BodyTree::from(a).collide(query, &b.into(), pose)?,
+        })
     }
 
     fn within(self, query: &Query, pose: &Pose, margin: f64) -> Result<Answer, Failure> {
-        Ok(with_bodies!(
-            self,
-            |a, b| query.within(&a, &b, pose, margin)?,
-            query.within_shape(a, &b, pose, margin)?,
-            reversed::within(query, a, b, pose, margin)?,
-            query.within_shapes(a, b, pose, margin)?,
-        ))
+        Ok(match self {
+            Self::Fixed(a, b) => BodyTree::from(a).within(query, &b.into(), pose, margin)?,
+            Self::Half(a, b) => BodyTree::from(a).within(query, &b.into(), pose, margin)?,
+        })
     }
 
     fn distance(self, query: &Query, pose: &Pose, tolerance: f64, cutoff: f64) -> Result<Distance, Failure> {
-        Ok(with_bodies!(
-            self,
-            |a, b| query.distance_up_to(&a, &b, pose, tolerance, cutoff)?,
-            query.distance_shape(a, &b, pose, tolerance, cutoff)?,
-            reversed::distance(query, a, b, pose, tolerance, cutoff)?,
-            query.distance_shapes(a, b, pose, tolerance, cutoff)?,
-        ))
+        Ok(match self {
+            Self::Fixed(a, b) => {
+                BodyTree::from(a).distance_up_to(query, &b.into(), pose, tolerance, cutoff)?
+            }
+            Self::Half(a, b) => {
+                BodyTree::from(a).distance_up_to(query, &b.into(), pose, tolerance, cutoff)?
+            }
+        })
     }
 }
 

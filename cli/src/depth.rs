@@ -2,7 +2,7 @@
 
 use super::body::{self, Body, BodyFile};
 use super::error::Error;
-use super::{File, TreeOptions, isa, poses, sphere_file};
+use super::{File, TreeOptions, isa, output, poses, sphere_file};
 use clap::Args;
 use serde::Serialize;
 use simdop::hierarchy::{AnyBvhRef, Bvh};
@@ -130,8 +130,6 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
             "{index:6}  {lower:12.5e}  {upper:12.5e}  {x:13.5e} {y:13.5e} {z:13.5e}  {visits:9}  {time:10.2}"
         )?;
     }
-    if report.poses.len() > options.rows {
-        writeln!(out, "   ... and {} more: --rows or --json shows them", report.poses.len() - options.rows)?;
-    }
+    output::rest(out, report.poses.len(), options.rows)?;
     out.flush()
 }

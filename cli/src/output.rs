@@ -84,6 +84,14 @@ pub(super) fn say(
     print(&mut std::io::stdout().lock()).map_err(Error::Output)
 }
 
+/// Says how many rows of a table are left out, if any are.
+pub(super) fn rest(out: &mut impl Write, all: usize, rows: usize) -> std::io::Result<()> {
+    match all.saturating_sub(rows) {
+        0 => Ok(()),
+        more => writeln!(out, "   ... and {more} more: --rows or --json shows them"),
+    }
+}
+
 /// Rejects writing one file twice, or overwriting the one that is read. The names are those of the options.
 pub(super) fn check_targets(
     read: Option<&Path>,

@@ -2,6 +2,7 @@
 
 use super::StorageName;
 use super::body::CapsReport;
+use super::output;
 use super::pair::Bodies;
 use super::patches::PatchReport;
 use alloc::rc::Rc;
@@ -181,9 +182,7 @@ impl Report<'_> {
         for (index, pose) in self.poses.iter().enumerate().take(rows) {
             pose.print(&mut out, index, [&self.a, &self.b])?;
         }
-        if self.poses.len() > rows {
-            writeln!(out, "   ... and {} more: --rows or --json shows them", self.poses.len() - rows)?;
-        }
+        output::rest(&mut out, self.poses.len(), rows)?;
         if self.poses.len() > 1 {
             self.print_summary(&mut out)?;
         }

@@ -1,7 +1,7 @@
 //! `simdop volume`.
 
 use super::error::Error;
-use super::{File, isa, poses, sphere_file};
+use super::{File, isa, output, poses, sphere_file};
 use clap::Args;
 use serde::Serialize;
 use simdop::hierarchy::Bvh;
@@ -120,8 +120,6 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
             "{index:6}  {volume:12.5e}  {upper:12.5e}  {share:12.3}  {pairs:8}  {x:7.3} {y:7.3} {z:7.3}  {time:10.2}"
         )?;
     }
-    if report.poses.len() > options.rows {
-        writeln!(out, "   ... and {} more: --rows or --json shows them", report.poses.len() - options.rows)?;
-    }
+    output::rest(out, report.poses.len(), options.rows)?;
     out.flush()
 }

@@ -1,15 +1,10 @@
 //! Queries of two bodies of any kind.
-//!
-//! Trees are tested directly, and so is a shape against a tree. In the other pairs, the body that must be the second is
-//! the first, or there is a cloud: a scene of the two decides, which places either in the frame of the other, with a
-//! margin for the rounding of the inverse pose.
 
-use crate::error::{OrRaise, raise_as, raised};
+use crate::error::{OrRaise, Raise, raise_as, raised};
 use crate::geometry::Node;
 use pyo3::prelude::*;
-use simdop::node::Aabb16;
-use simdop::query::{Answer, Distance, Hint, Pair, Verdict, Witness};
-use simdop::scene::{Body, BodyId, BodyTree, Scene, SceneError, SceneHit, SceneMemory, SceneVerdict, Slot};
+use simdop::query::{Answer, Distance, Pair};
+use simdop::scene::{BodyTree, SceneError};
 use simdop::{Isa, Pose, Query};
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
@@ -47,28 +42,25 @@ macro_rules! with_pair {
     };
 }
 
+/// The exception for two bodies, which the caller never put into a scene.
+fn as_of_bodies(error: SceneError) -> PyErr {
+    match error {
+        SceneError::Tolerance(error) => error.raise(),
+        SceneError::TwoClouds { .. } => {
+            raise_as::<raised::BodyError>("two clouds cannot be tested against each other".to_owned())
+        }
+        error => error.raise(),
+    }
+}
+
 /// Whether two bodies meet.
 pub(crate) fn collide(a: &View<'_>, b: &View<'_>, pose: &Pose) -> PyResult<Answer> {
-    let query = query();
-    Ok(with_pair!(
-        (a, b),
-        |a, b| query.collide(a, b, pose),
-        query.collide_shape(a, b, pose),
-        query.collide_shapes(a, b, pose),
-        within_in_scene(a, b, pose, 0.0)?,
-    ))
+    a.collide(&query(), b, pose).map_err(as_of_bodies)
 }
 
 /// Whether two bodies come within a margin of each other.
 pub(crate) fn within(a: &View<'_>, b: &View<'_>, pose: &Pose, margin: f64) -> PyResult<Answer> {
-    let query = query();
-    Ok(with_pair!(
-        (a, b),
-        |a, b| query.within(a, b, pose, margin).or_raise()?,
-        query.within_shape(a, b, pose, margin).or_raise()?,
-        query.within_shapes(a, b, pose, margin).or_raise()?,
-        within_in_scene(a, b, pose, margin)?,
-    ))
+    a.within(&query(), b, pose, margin).map_err(as_of_bodies)
 }
 
 /// How a distance is searched for.
@@ -80,14 +72,7 @@ pub(crate) struct Search {
 
 /// The distance of two bodies that are nearer than the cutoff.
 pub(crate) fn distance(a: &View<'_>, b: &View<'_>, pose: &Pose, search: Search) -> PyResult<Distance> {
-    let (query, Search { tolerance, cutoff }) = (query(), search);
-    Ok(with_pair!(
-        (a, b),
-        |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff).or_raise()?,
-        query.distance_shape(a, b, pose, tolerance, cutoff).or_raise()?,
-        query.distance_shapes(a, b, pose, tolerance, cutoff).or_raise()?,
-        distance_in_scene(a, b, pose, search)?,
-    ))
+    a.distance_up_to(&query(), b, pose, search.tolerance, search.cutoff).map_err(as_of_bodies)
 }
 
 /// Up to `limit` pairs of primitives that meet.
@@ -112,64 +97,8 @@ pub(crate) fn contacts(a: &View<'_>, b: &View<'_>, pose: &Pose, limit: usize) ->
                 let reversed = contacts(b, tree, inverse.pose(), limit)?;
                 pairs.extend(reversed.into_iter().map(|Pair { a, b }| Pair { a: b, b: a }));
             }
-            _ => pairs.extend(within_in_scene(a, b, pose, 0.0)?.hit()),
+            _ => pairs.extend(collide(a, b, pose)?.hit()),
         },
     );
     Ok(pairs)
-}
-
-/// A query of the scene of two bodies. Also passes it the id of the first.
-fn in_scene<T>(
-    a: &View<'_>,
-    b: &View<'_>,
-    pose: &Pose,
-    ask: impl FnOnce(&Scene<'_, Node>, BodyId) -> Result<T, SceneError>,
-) -> PyResult<T> {
-    if let (BodyTree::PointCloud(_), BodyTree::PointCloud(_)) = (a, b) {
-        return Err(raise_as::<raised::BodyError>(
-            "two clouds cannot be tested against each other".to_owned(),
-        ));
-    }
-    let (mut slots, mut boxes, mut rows) = ([const { Slot::EMPTY }; 2], [Aabb16::EMPTY], [0; 2]);
-    let memory = SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows };
-    let mut scene = Scene::in_memory(memory).or_raise()?;
-    let id = scene.insert(Body::new(a.clone()), pose).or_raise()?;
-    scene.insert(Body::new(b.clone()), &Pose::IDENTITY).or_raise()?;
-    ask(&scene, id).or_raise()
-}
-
-/// The primitives of a hit, that of the first body first.
-fn pair(hit: &SceneHit, first: BodyId) -> Pair {
-    let Pair { a, b } = hit.pair;
-    if hit.a == first { Pair { a, b } } else { Pair { a: b, b: a } }
-}
-
-fn within_in_scene(a: &View<'_>, b: &View<'_>, pose: &Pose, margin: f64) -> PyResult<Answer> {
-    in_scene(a, b, pose, |scene, id| {
-        let answer = scene.within(&query(), margin)?;
-        let verdict = match answer.verdict {
-            SceneVerdict::Free => Verdict::Free,
-            SceneVerdict::Hit(hit) => Verdict::Hit(pair(&hit, id)),
-            SceneVerdict::Unknown => Verdict::Unknown { lower: 0.0, upper: f64::INFINITY },
-        };
-        Ok(Answer { verdict, stats: answer.stats, hint: Hint::NONE })
-    })
-}
-
-fn distance_in_scene(a: &View<'_>, b: &View<'_>, pose: &Pose, search: Search) -> PyResult<Distance> {
-    in_scene(a, b, pose, |scene, id| {
-        let near = scene.clearance(&query(), search.tolerance, search.cutoff)?;
-        let witness = near.witness.map(|witness| {
-            let (a, b) = if witness.hit.a == id { (witness.a, witness.b) } else { (witness.b, witness.a) };
-            Witness { pair: pair(&witness.hit, id), a, b }
-        });
-        Ok(Distance {
-            lower: near.lower,
-            upper: near.upper,
-            witness,
-            completion: near.completion,
-            stats: near.stats,
-            hint: Hint::NONE,
-        })
-    })
 }

@@ -1,8 +1,9 @@
 //! Kinematic chains and trees: links connected by joints.
 
-use super::{MotionError, unit};
+use super::MotionError;
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
+use crate::vector::unit;
 
 /// The kind of a joint.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
@@ -171,6 +172,16 @@ impl<'r> Kinematics<'r> {
             Some(variable) => Err(MotionError::Limits { variable }),
             None => Ok(Self { base: Pose::IDENTITY, joints, bodies, limits }),
         }
+    }
+
+    /// As [`Kinematics::new`], of parts that it accepted before.
+    #[cfg(feature = "planning")]
+    pub(crate) const fn checked_before(
+        joints: &'r [Joint],
+        bodies: &'r [LinkBody],
+        limits: &'r [[f64; 2]],
+    ) -> Self {
+        Self { base: Pose::IDENTITY, joints, bodies, limits }
     }
 
     /// Places the base in the world. As for a joint's origin, the nearest rotation replaces its matrix.

@@ -76,14 +76,3 @@ fn magnitude(a: &Point) -> f64 {
 fn distance_from_axis(p: &Point, direction: &Point) -> f64 {
     length(&cross(p, direction))
 }
-
-/// The unit vector along a direction; `None` if the direction is zero or not finite.
-fn unit(direction: &Point) -> Option<Point> {
-    let greatest = direction.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    if !(greatest > 0.0 && greatest.is_finite()) || direction.iter().any(|x| x.is_nan()) {
-        return None;
-    }
-    let [x, y, z] = direction.map(|x| x / greatest);
-    let length = length(&[x, y, z]);
-    Some([x / length, y / length, z / length])
-}

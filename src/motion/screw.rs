@@ -1,9 +1,9 @@
 //! Screw motions: rotation about an axis and translation along it, at constant speed.
 
-use super::{CarriedBall, Motion, MotionError, ROUNDING, chord, distance_from_axis, magnitude, unit};
+use super::{CarriedBall, Motion, MotionError, ROUNDING, chord, distance_from_axis, magnitude};
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
-use crate::vector::{difference, length};
+use crate::vector::{difference, length, unit};
 
 /// A rotation about an axis in the world, and a translation along it. Every rigid displacement is that of one screw
 /// (Chasles).

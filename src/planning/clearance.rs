@@ -47,7 +47,7 @@ impl PlanningScene {
         let mut derivatives = vec![[0.0; 3]; self.rest.len()];
         for (id, point, sign) in [(witness.hit.a, witness.a, -1.0), (witness.hit.b, witness.b, 1.0)] {
             let Some(link) = self.link_of(workspace, id)? else { continue };
-            self.kinematics()?.point_jacobian(&workspace.links, link, point, &mut derivatives);
+            self.kinematics().point_jacobian(&workspace.links, link, point, &mut derivatives);
             for (slope, &variable) in gradient.iter_mut().zip(&self.variables) {
                 *slope += sign * dot(&across, &derivatives[variable]) / distance;
             }

@@ -71,6 +71,11 @@ pub enum PlanningError {
         /// Number of variables.
         variables: usize,
     },
+    /// The longest motion of a plan is not positive.
+    Step {
+        /// The value given.
+        given: f64,
+    },
     /// A body, a pose, a value of a joint, or a tolerance is invalid.
     Scene(SceneError),
 }
@@ -92,6 +97,7 @@ impl fmt::Display for PlanningError {
             Self::Values { given, variables } => {
                 write!(f, "{given} values are not a multiple of {variables}, one for each variable")
             }
+            Self::Step { given } => write!(f, "a plan's step of {given}: must be positive"),
             Self::Scene(error) => error.fmt(f),
         }
     }

@@ -19,6 +19,7 @@
 //! cheap, since trees are shared, and any number of threads query one scene, each with a [`Workspace`]. Everything is
 //! decided by a [`Scene`](crate::Scene), whose guarantees hold. Without heap, use that.
 
+mod angles;
 mod clearance;
 mod configurations;
 mod error;

@@ -21,17 +21,17 @@ impl RobotModel {
     /// From a description, the geometry of each of its bodies, and what an SRDF file adds.
     ///
     /// # Errors
-    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`.
-    ///
-    /// # Panics
-    /// If there is not one geometry for each body of the robot.
+    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`; [`RobotError::Bodies`] if there is
+    /// not one geometry for each body of the robot.
     pub fn new(
         robot: Robot,
         bodies: Vec<LinkGeometry>,
         disabled: Vec<DisabledPair>,
         groups: Vec<JointGroup>,
     ) -> Result<Self, RobotError> {
-        assert_eq!(bodies.len(), robot.bodies.len(), "one geometry for each body of the robot");
+        if bodies.len() != robot.bodies.len() {
+            return Err(RobotError::Bodies { given: bodies.len(), needed: robot.bodies.len() });
+        }
         let (names, pairs) = (numbered(&robot.names), robot.pairs(&disabled)?);
         Ok(Self { robot, bodies, names, disabled, pairs, groups })
     }

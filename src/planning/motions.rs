@@ -1,13 +1,13 @@
 //! Queries of straight motions in the joints.
 
 use super::PlanningNode;
+use super::angles::shorter_way;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
 use crate::motion::{JointMotion, MotionError};
 use crate::scene::{MotionAnswer, MotionMemory, Scene, SceneError};
 use alloc::vec::Vec;
-use core::f64::consts::{PI, TAU};
 use core::num::NonZeroU32;
 
 impl PlanningScene {
@@ -70,7 +70,7 @@ impl PlanningScene {
         let Workspace { scene, links, poses, values: [now, from, to], waiting, .. } = workspace;
         self.complete(ends[0], from)?;
         self.complete(ends[1], to)?;
-        let kinematics = self.kinematics()?;
+        let kinematics = self.kinematics();
         kinematics.check(from)?;
         kinematics.check(to)?;
         for (variable, is_continuous) in self.robot.robot().continuous.iter().enumerate() {
@@ -122,33 +122,5 @@ impl PlanningScene {
     /// The ends of the motion of the i-th variable that is planned for.
     fn shorter(&self, i: usize, from: f64, to: f64) -> (f64, f64) {
         if self.robot.robot().continuous[self.variables[i]] { shorter_way(from, to) } else { (from, to) }
-    }
-}
-
-/// The ends of the shorter way between two angles: the first within half a turn of 0, and the second within half a turn
-/// of the first. Up to rounding of 2^-50.
-fn shorter_way(from: f64, to: f64) -> (f64, f64) {
-    let near = |angle: f64| angle - TAU * libm::round(angle / TAU);
-    let start = near(from).clamp(-PI, PI);
-    (start, start + near(to - from).clamp(-PI, PI))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_shorter_way_is_at_most_half_a_turn() {
-        for i in -20..=20 {
-            for j in -20..=20 {
-                let (from, to) = (f64::from(i) * 0.3, f64::from(j) * 0.3);
-                let (p, q) = shorter_way(from, to);
-                assert!(p.abs() <= PI + 1e-12 && (q - p).abs() <= PI);
-                for (angle, same) in [(from, p), (to, q)] {
-                    let turns = (angle - same) / TAU;
-                    assert!((turns - turns.round()).abs() < 1e-12, "{from} {to}");
-                }
-            }
-        }
     }
 }

@@ -87,6 +87,8 @@ impl PlanningScene {
     /// As [`PlanningScene::place`].
     pub fn detach(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
         self.check_object(object)?;
+        // First, so that an error detaches nothing.
+        crate::scene::check_pose(world)?;
         self.scene.detach(object)?;
         self.stamp = stamp();
         self.scene.place(object, world)?;

@@ -18,6 +18,6 @@ impl PlanningScene {
         boxes: usize,
     ) -> Result<PairReport, PlanningError> {
         self.serve(workspace);
-        Ok(workspace.scene.classify_pair(&self.query, &self.links, self.kinematics()?, pair, boxes)?)
+        Ok(workspace.scene.classify_pair(&self.query, &self.links, self.kinematics(), pair, boxes)?)
     }
 }

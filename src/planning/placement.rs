@@ -36,10 +36,7 @@ impl PlanningScene {
         self.serve(workspace);
         let [all, ..] = &mut workspace.values;
         self.complete(values, all)?;
-        self.kinematics()?.go_to(all, &mut workspace.links, &mut workspace.poses)?;
-        for (&id, pose) in self.links.iter().zip(&workspace.poses) {
-            workspace.scene.place(id, pose)?;
-        }
-        Ok(())
+        self.kinematics().go_to(all, &mut workspace.links, &mut workspace.poses)?;
+        Ok(workspace.scene.place_all(&self.links, &workspace.poses)?)
     }
 }

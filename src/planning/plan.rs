@@ -7,6 +7,7 @@
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
+use crate::random::SplitMix64;
 use alloc::vec::Vec;
 
 /// How to plan.
@@ -84,35 +85,12 @@ impl Tree {
     }
 }
 
-/// `SplitMix64` (Steele, Lea, Flood, OOPSLA 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^ bits >> 31
-    }
-
-    /// In 0 .. 1.
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Below `limit`.
-    fn below(&mut self, limit: usize) -> usize {
-        (self.unit() * limit as f64) as usize
-    }
-}
-
 /// A search for a path.
 struct PathSearch<'s> {
     scene: &'s PlanningScene,
     workspace: &'s mut Workspace,
     settings: &'s PlanSettings,
-    random: Random,
+    random: SplitMix64,
     motions: u32,
 }
 
@@ -121,7 +99,7 @@ impl PlanningScene {
     /// path, the plan is empty: there is none, or [`PlanSettings::configurations`] are too few.
     ///
     /// # Errors
-    /// As [`PlanningScene::is_free`], for the start and the goals.
+    /// [`PlanningError::Step`] if the step is not positive; as [`PlanningScene::is_free`], for the start and the goals.
     pub fn plan(
         &self,
         workspace: &mut Workspace,
@@ -129,7 +107,10 @@ impl PlanningScene {
         goals: &[&[f64]],
         settings: &PlanSettings,
     ) -> Result<PlannedPath, PlanningError> {
-        let random = Random(settings.seed);
+        if settings.step.is_nan() || settings.step <= 0.0 {
+            return Err(PlanningError::Step { given: settings.step });
+        }
+        let random = SplitMix64(settings.seed);
         let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0 };
         let (mut from, mut to) = (Tree::new(), Tree::new());
         if self.is_free(search.workspace, start)? {
@@ -176,7 +157,9 @@ impl PathSearch<'_> {
                 }
             }
             is_from_start = !is_from_start;
-            target = self.scene.random(|| self.random.unit());
+            // In 0 .. 1.
+            let unit = || (self.random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
+            target = self.scene.random(unit);
         }
         Ok(Vec::new())
     }
@@ -198,7 +181,9 @@ impl PathSearch<'_> {
         } else {
             self.scene.between(tree.node(index), target, self.settings.step / distance)?
         };
-        Ok(if self.is_free(tree.node(index), &next)? {
+        // A step below the rounding of the values gets nowhere.
+        let is_moved = is_reached || next != tree.node(index);
+        Ok(if is_moved && self.is_free(tree.node(index), &next)? {
             Some((tree.add(&next, Some(index)), is_reached))
         } else {
             None

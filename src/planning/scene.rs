@@ -1,6 +1,7 @@
 //! A robot, what it stands among, and the group of joints that is planned for.
 
 use super::PlanningNode;
+use super::angles::wrapped;
 use super::error::PlanningError;
 use super::model::RobotModel;
 use crate::isa::Isa;
@@ -11,7 +12,6 @@ use crate::scene::{BodyId, Scene, SceneError};
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicU64, Ordering};
 
 /// A robot among objects, queried by the values of its joints.
@@ -35,11 +35,6 @@ pub struct PlanningScene {
     pub(super) resolution: f64,
     /// Two scenes with the same stamp are equal: a workspace of one serves the other.
     pub(super) stamp: u64,
-}
-
-/// An angle within a full turn of 0 that differs from the given one by full turns.
-fn wrapped(angle: f64) -> f64 {
-    if angle.abs() <= TAU { angle } else { angle - TAU * libm::round(angle / TAU) }
 }
 
 /// A number that no scene has had before.
@@ -205,8 +200,10 @@ impl PlanningScene {
         &self.limits
     }
 
-    pub(super) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
-        Ok(self.robot.robot().kinematics()?.with_base(self.base))
+    pub(super) fn kinematics(&self) -> Kinematics<'_> {
+        let robot = self.robot.robot();
+        // `new` checked the robot, which nothing changes.
+        Kinematics::checked_before(&robot.joints, &robot.bodies, &robot.limits).with_base(self.base)
     }
 
     /// Writes the values of all variables of the robot. Those of continuous joints may have any number of turns.

@@ -29,6 +29,13 @@ pub enum RobotError {
         /// The joint or group.
         name: String,
     },
+    /// The number of geometries is not that of the robot's bodies.
+    Bodies {
+        /// Number given.
+        given: usize,
+        /// Number needed.
+        needed: usize,
+    },
     /// A joint names a link that does not exist.
     NoSuchLink {
         /// The joint.
@@ -80,6 +87,7 @@ impl fmt::Display for RobotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Format { problem } => write!(f, "not a robot's description: {problem}"),
+            Self::Bodies { given, needed } => write!(f, "{given} geometries for {needed} bodies"),
             Self::UnknownLink { line, link } => write!(f, "line {line}: the robot has no link {link}"),
             Self::UnknownMember { line, name } => {
                 write!(f, "line {line}: there is no joint or group {name} of this name before this line")

@@ -258,7 +258,8 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(world.compose(&at)?)
     }
 
-    pub(super) fn place_all(&mut self, ids: &[BodyId], poses: &[Pose]) -> Result<(), SceneError> {
+    /// Places several bodies, and stops at the first error.
+    pub(crate) fn place_all(&mut self, ids: &[BodyId], poses: &[Pose]) -> Result<(), SceneError> {
         ids.iter().zip(poses).try_for_each(|(&id, pose)| self.place(id, pose))
     }
 

@@ -5,6 +5,7 @@ mod support;
 
 mod files;
 mod objects;
+mod plans;
 mod real;
 
 use simdop::planning::{PlanningScene, RobotFiles, RobotModel};

@@ -84,6 +84,9 @@ fn what_is_attached_is_carried() {
     assert!([hit.a, hit.b].contains(&cup));
     let _ = scene.remove(inside).unwrap();
     assert!(scene.check_motion(&mut workspace, [&UPRIGHT, &folded]).unwrap().is_free());
+    // What cannot be put down stays in the hand.
+    assert!(scene.detach(cup, &at(2.0_f64.powi(299), 0.0, 0.0)).is_err());
+    assert!(scene.is_free(&mut workspace, &UPRIGHT).unwrap());
     // Put down in the hand's way, it is in the way again.
     scene.detach(cup, &at(0.0, 0.0, 1.26)).unwrap();
     assert!(

@@ -7,7 +7,7 @@ use crate::body;
 use crate::error::Error;
 use crate::shape::{Given, NamedShape};
 use crate::verdicts::Summary;
-use crate::{TreeOptions, progress, sphere_file};
+use crate::{TreeOptions, output, progress, sphere_file};
 use serde::Serialize;
 use simdop::cloud::{CloudRef, Contact, RangeSearch, SearchError};
 use simdop::hierarchy::{AnyBvh, Bvh};
@@ -172,9 +172,7 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
         }
         writeln!(out)?;
     }
-    if report.poses.len() > options.rows {
-        writeln!(out, "   ... and {} more: --rows or --json shows them", report.poses.len() - options.rows)?;
-    }
+    output::rest(out, report.poses.len(), options.rows)?;
     if report.poses.len() > 1 {
         writeln!(out)?;
         report.summary.print(out)?;

@@ -1,5 +1,6 @@
 //! The order in which points are inserted.
 
+use crate::random::SplitMix64;
 use crate::range::Point;
 
 /// Points that are not sorted: their numbers are for the cache.
@@ -32,14 +33,10 @@ fn spread(x: u32) -> u32 {
     (0..10).fold(0, |sum, bit| sum | (x >> bit & 1) << (3 * bit))
 }
 
-/// A permutation that depends on the number of points only (Fisher and Yates, by `SplitMix64`).
+/// A permutation that depends on the number of points only (Fisher and Yates).
 fn shuffle(points: &mut [Point]) {
-    let mut state = 0_u64;
+    let mut random = SplitMix64(0);
     for last in (1..points.len()).rev() {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let random = u128::from(z ^ (z >> 31));
-        points.swap(last, ((random * (last as u128 + 1)) >> 64) as usize);
+        points.swap(last, random.below(last + 1));
     }
 }

@@ -48,31 +48,50 @@ impl Query {
         A: AsBvh<Primitive = Triangles, Node: Lanes>,
         B: AsBvh<Primitive = Triangles, Node = A::Node>,
     {
-        let (mut stats, mut count, mut is_full) = (QueryStats::default(), 0, false);
+        let mut count = 0;
+        let (completion, stats) = self.for_each_contact(a, b, pose, |contact| {
+            let Some(place) = into.get_mut(count) else { return ControlFlow::Break(()) };
+            *place = contact;
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        Contacts { count, completion, stats }
+    }
+
+    /// Calls `visit` with each of the [contacts](Query::contacts), until it breaks. Returns how the search ended, and the
+    /// query statistics.
+    pub fn for_each_contact<A, B>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        mut visit: impl FnMut(TriangleContact) -> ControlFlow<()>,
+    ) -> (Completion, QueryStats)
+    where
+        A: AsBvh<Primitive = Triangles, Node: Lanes>,
+        B: AsBvh<Primitive = Triangles, Node = A::Node>,
+    {
+        let (mut stats, mut is_stopped) = (QueryStats::default(), false);
         if are_apart(a.header(), b.header(), pose, 0.0) {
-            return Contacts { count, completion: Completion::Complete, stats };
+            return (Completion::Complete, stats);
         }
         let stop = with_bvhs(a, b, |a, b| {
             self.run((a, b), pose, Touching, &mut stats, &mut |found| {
-                let Some(place) = into.get_mut(count) else {
-                    is_full = true;
-                    return ControlFlow::Break(());
-                };
                 let moved = Triangles::moved(&a.primitive(found.a), pose);
                 let pair: Pair = found.pair(a, b);
                 // All pairs that are found meet.
-                if let Some(contact) = TriangleContact::of(pair, &moved, &b.primitive(found.b)) {
-                    *place = contact;
-                    count += 1;
-                }
-                ControlFlow::Continue(())
+                let Some(contact) = TriangleContact::of(pair, &moved, &b.primitive(found.b)) else {
+                    return ControlFlow::Continue(());
+                };
+                is_stopped = visit(contact).is_break();
+                if is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
         });
         let completion = match stop {
             None => Completion::Complete,
-            Some(_) if is_full => Completion::Stopped,
+            Some(_) if is_stopped => Completion::Stopped,
             Some(_) => Completion::OutOfBudget,
         };
-        Contacts { count, completion, stats }
+        (completion, stats)
     }
 }

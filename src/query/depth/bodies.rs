@@ -25,7 +25,7 @@ use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, Ve
 use crate::query::lanes::Lanes;
 use crate::query::setup::reach;
 use crate::range::{MAX_COORDINATE, Point};
-use crate::vector::{difference, dot, length};
+use crate::vector::{difference, dot, length, unit};
 use core::ops::ControlFlow;
 
 const ROUNDING: f64 = power_of_two(-44);
@@ -286,17 +286,6 @@ const MOST_PAIRS: u32 = 512;
 const ROUGH: f64 = power_of_two(-10);
 /// The square of a slope that is not worth a step.
 const FLAT: f64 = power_of_two(-12);
-
-/// A vector of length 1; `None` if it has no direction.
-pub(super) fn unit(v: &Point) -> Option<Point> {
-    let size = v.iter().fold(0.0, |size: f64, x| f64::max(size, x.abs()));
-    if size == 0.0 || !size.is_finite() {
-        return None;
-    }
-    let scaled = v.map(|x| x / size);
-    let long = length(&scaled);
-    Some(scaled.map(|x| x / long))
-}
 
 impl Query {
     /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is

@@ -13,14 +13,14 @@
 //! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
-use super::bodies::{PosedBodies, unit};
+use super::bodies::PosedBodies;
 use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
 use crate::query::entry::PrimitivePair;
 use crate::query::lanes::Lanes;
 use crate::range::Point;
-use crate::vector::{difference, length};
+use crate::vector::{difference, length, unit};
 
 /// A triangle of directions.
 #[derive(Copy, Clone)]

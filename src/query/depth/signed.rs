@@ -1,14 +1,13 @@
 //! The signed distance: positive where two bodies are apart, minus their depth where they are not.
 
 use super::Packings;
-use super::bodies::unit;
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
 use crate::primitive::Shapes;
 use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
 use crate::query::lanes::Lanes;
 use crate::range::Point;
-use crate::vector::{cross, difference};
+use crate::vector::{cross, difference, unit};
 
 /// The signed distance of two bodies, which lies in `lower ..= upper`.
 #[must_use = "a query has no other effect than its answer"]

@@ -5,14 +5,14 @@
 //! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
 //! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
 
-use super::bodies::{PosedBodies, unit};
+use super::bodies::PosedBodies;
 use super::interval::OutOfBudget;
 use crate::exact::power_of_two;
 use crate::primitive::Shapes;
 use crate::query::entry::PrimitivePair;
 use crate::query::lanes::Lanes;
 use crate::range::Point;
-use crate::vector::{cross, dot, length};
+use crate::vector::{cross, dot, length, unit};
 
 /// The best translation so far, and the directions that are still to be tried.
 pub(super) struct WayOut {

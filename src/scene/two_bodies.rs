@@ -1,0 +1,163 @@
+//! Queries of two bodies of any kind, the first at a pose in the frame of the second.
+//!
+//! Two trees are tested directly, and so is a shape against a tree. In the other pairs, the body that must be the second
+//! is the first, or there is a cloud: a scene of the two decides, which places either in the frame of the other, with a
+//! margin for the rounding of the inverse pose.
+
+use super::body::{Body, BodyId, BodyTree};
+use super::error::SceneError;
+use super::memory::{SceneMemory, Slot};
+use super::placement::Scene;
+use super::{SceneHit, SceneVerdict};
+use crate::node::Aabb16;
+use crate::pose::Pose;
+use crate::query::{Answer, Distance, Hint, Lanes, Pair, Query, Verdict, Witness};
+
+/// Evaluates one of four expressions: for two trees, a shape and a tree, two shapes, or any other pair.
+macro_rules! with_pair {
+    (
+        ($of_a:expr, $of_b:expr), |$a:ident, $b:ident|
+        $trees:expr, $beside:expr, $shapes:expr, $others:expr $(,)?
+    ) => {
+        match ($of_a, $of_b) {
+            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Shape($a), BodyTree::Mesh($b)) => $beside,
+            (BodyTree::Shape($a), BodyTree::Spheres($b)) => $beside,
+            (BodyTree::Shape($a), BodyTree::Shapes($b)) => $beside,
+            (BodyTree::Shape($a), BodyTree::Shape($b)) => $shapes,
+            ($a, $b) => $others,
+        }
+    };
+}
+
+impl<N: Lanes> BodyTree<'_, N> {
+    /// Does this body, placed by `pose` in the frame of another, meet it? As [`Query::collide`], for bodies of any kind.
+    ///
+    /// If this is a tree and the other one a shape, or either is a cloud, what is decided is whether they come within the
+    /// rounding of the inverse pose, about 1e-14 of the coordinates; the bounds of an unknown verdict are 0 and infinite,
+    /// and the pose must be as close to a rotation as in a scene. So a shape should be the first body.
+    ///
+    /// # Errors
+    /// [`SceneError`]: both are clouds, or a scene does not accept the pose.
+    pub fn collide(&self, query: &Query, other: &Self, pose: &Pose) -> Result<Answer, SceneError> {
+        Ok(with_pair!(
+            (&self.view(), &other.view()),
+            |a, b| query.collide(a, b, pose),
+            query.collide_shape(a, b, pose),
+            query.collide_shapes(a, b, pose),
+            within_in_scene(query, [a, b], pose, 0.0)?,
+        ))
+    }
+
+    /// Do the bodies come within `margin` of each other? As [`Query::within`], for bodies of any kind.
+    ///
+    /// # Errors
+    /// As [`BodyTree::collide`]; [`SceneError::Tolerance`] if the margin is negative, NaN or too large.
+    pub fn within(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        margin: f64,
+    ) -> Result<Answer, SceneError> {
+        Ok(with_pair!(
+            (&self.view(), &other.view()),
+            |a, b| query.within(a, b, pose, margin)?,
+            query.within_shape(a, b, pose, margin)?,
+            query.within_shapes(a, b, pose, margin)?,
+            within_in_scene(query, [a, b], pose, margin)?,
+        ))
+    }
+
+    /// How far apart are the bodies, up to `cutoff`? As [`Query::distance_up_to`], for bodies of any kind.
+    ///
+    /// # Errors
+    /// As [`BodyTree::collide`]; [`SceneError::Tolerance`] if the tolerance or the cutoff is out of range.
+    pub fn distance_up_to(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Result<Distance, SceneError> {
+        Ok(with_pair!(
+            (&self.view(), &other.view()),
+            |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff)?,
+            query.distance_shape(a, b, pose, tolerance, cutoff)?,
+            query.distance_shapes(a, b, pose, tolerance, cutoff)?,
+            distance_in_scene(query, [a, b], pose, tolerance, cutoff)?,
+        ))
+    }
+}
+
+/// A query of the scene of two bodies. Also passes it the id of the first.
+fn in_scene<N: Lanes, T>(
+    [a, b]: [&BodyTree<'_, N>; 2],
+    pose: &Pose,
+    ask: impl FnOnce(&Scene<'_, N>, BodyId) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
+    let (mut slots, mut boxes, mut rows) = ([const { Slot::EMPTY }; 2], [Aabb16::EMPTY], [0; 2]);
+    let mut scene = Scene::in_memory(SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows })?;
+    let id = scene.insert(Body::new(a.clone()), pose)?;
+    let _ = scene.insert(Body::new(b.clone()), &Pose::IDENTITY)?;
+    if a.is_cloud() && b.is_cloud() {
+        return Err(SceneError::TwoClouds { id });
+    }
+    ask(&scene, id)
+}
+
+/// The primitives of a hit, that of the first body first.
+fn pair(hit: &SceneHit, first: BodyId) -> Pair {
+    let Pair { a, b } = hit.pair;
+    if hit.a == first { Pair { a, b } } else { Pair { a: b, b: a } }
+}
+
+fn within_in_scene<N: Lanes>(
+    query: &Query,
+    bodies: [&BodyTree<'_, N>; 2],
+    pose: &Pose,
+    margin: f64,
+) -> Result<Answer, SceneError> {
+    in_scene(bodies, pose, |scene, id| {
+        let answer = scene.within(query, margin)?;
+        let verdict = match answer.verdict {
+            SceneVerdict::Free => Verdict::Free,
+            SceneVerdict::Hit(hit) => Verdict::Hit(pair(&hit, id)),
+            SceneVerdict::Unknown => Verdict::Unknown { lower: 0.0, upper: f64::INFINITY },
+        };
+        Ok(Answer { verdict, stats: answer.stats, hint: Hint::NONE })
+    })
+}
+
+fn distance_in_scene<N: Lanes>(
+    query: &Query,
+    bodies: [&BodyTree<'_, N>; 2],
+    pose: &Pose,
+    tolerance: f64,
+    cutoff: f64,
+) -> Result<Distance, SceneError> {
+    in_scene(bodies, pose, |scene, id| {
+        let near = scene.clearance(query, tolerance, cutoff)?;
+        let witness = near.witness.map(|witness| {
+            let (a, b) = if witness.hit.a == id { (witness.a, witness.b) } else { (witness.b, witness.a) };
+            Witness { pair: pair(&witness.hit, id), a, b }
+        });
+        Ok(Distance {
+            lower: near.lower,
+            upper: near.upper,
+            witness,
+            completion: near.completion,
+            stats: near.stats,
+            hint: Hint::NONE,
+        })
+    })
+}

@@ -1,0 +1,78 @@
+//! Paths: every motion of one is certified, and what is no plan is said.
+
+use super::{arm, at, scene};
+use simdop::planning::{PlanSettings, PlannedPath, PlanningError, PlanningScene, RobotModel};
+use simdop::primitive::Shape;
+use simdop::robot::RobotError;
+use simdop::scene::Body;
+
+const START: [f64; 4] = [-1.2, 1.2, 0.0, 0.0];
+const GOAL: [f64; 4] = [1.2, 1.2, 0.0, 0.0];
+
+/// The arm with a post between start and goal.
+fn with_post() -> PlanningScene {
+    let mut scene = scene();
+    let post = Body::new(Shape::cuboid([0.1, 0.1, 1.2]).unwrap()).fixed();
+    let _ = scene.insert("post", post, &at(0.6, 0.0, 0.6)).unwrap();
+    scene
+}
+
+fn plan(scene: &PlanningScene, goals: &[&[f64]], settings: &PlanSettings) -> PlannedPath {
+    scene.plan(&mut scene.workspace(), &START, goals, settings).unwrap()
+}
+
+#[test]
+fn a_path_leads_around_a_post_by_certified_motions() {
+    let scene = with_post();
+    let mut workspace = scene.workspace();
+    assert!(!scene.check_motion(&mut workspace, [&START, &GOAL]).unwrap().is_free());
+    for step in [0.4, 1.0, f64::INFINITY] {
+        let settings = PlanSettings { step, ..PlanSettings::default() };
+        let found = plan(&scene, &[&GOAL], &settings);
+        assert_eq!(found, plan(&scene, &[&GOAL], &settings), "the same seed gives the same path");
+        assert!(found.is_found() && found.path.len() > 2 && found.motions > 0);
+        assert_eq!((&found.path[0][..], &found.path[found.path.len() - 1][..]), (&START[..], &GOAL[..]));
+        let mut length = 0.0;
+        for ends in found.path.windows(2) {
+            assert!(scene.check_motion(&mut workspace, [&ends[0], &ends[1]]).unwrap().is_free());
+            length += (0..4).map(|i| (ends[1][i] - ends[0][i]).powi(2)).sum::<f64>().sqrt();
+        }
+        assert!((found.length - length).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn goals_that_are_not_free_are_ignored() {
+    let scene = with_post();
+    let inside = [0.0, 1.2, 0.0, 0.0];
+    assert!(!scene.is_free(&mut scene.workspace(), &inside).unwrap());
+    let settings = PlanSettings::default();
+    assert_eq!(plan(&scene, &[&inside, &GOAL], &settings).path.last().unwrap(), &GOAL);
+    for goals in [&[&inside[..]][..], &[]] {
+        let none = plan(&scene, goals, &settings);
+        assert!(!none.is_found() && none.length == 0.0 && none.motions == 0);
+    }
+    let near = plan(&scene, &[&[-1.0, 1.2, 0.0, 0.0]], &settings);
+    assert_eq!(near.path.len(), 2, "the straight way is tried first");
+}
+
+/// A step that is too small for the rounding of the values ends the search as well.
+#[test]
+fn every_search_ends() {
+    let scene = with_post();
+    for step in [0.0, -1.0, f64::NAN] {
+        let settings = PlanSettings { step, ..PlanSettings::default() };
+        let refused = scene.plan(&mut scene.workspace(), &START, &[&GOAL], &settings);
+        assert!(matches!(refused, Err(PlanningError::Step { given }) if given.to_bits() == step.to_bits()));
+    }
+    let settings = PlanSettings { step: 1e-300, configurations: 10, ..PlanSettings::default() };
+    assert!(!plan(&scene, &[&GOAL], &settings).is_found());
+}
+
+#[test]
+fn a_model_has_a_geometry_for_each_body() {
+    let model = arm();
+    let bodies = model.bodies()[1..].to_vec();
+    let refused = RobotModel::new(model.robot().clone(), bodies, Vec::new(), Vec::new());
+    assert_eq!(refused.unwrap_err(), RobotError::Bodies { given: 4, needed: 5 });
+}
