@@ -62,6 +62,7 @@ mod spheres;
 mod stack;
 mod storage;
 mod threads;
+mod two_bodies;
 mod world;
 
 use alloc::collections::BTreeSet;
