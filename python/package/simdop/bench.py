@@ -14,12 +14,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import Body, RangeSearch, isa
+from ._arrays import Floats, Triangles
 
-Floats = NDArray[np.float64]
-Mesh = tuple[Floats, NDArray[np.int64]]
+Mesh = tuple[Floats, Triangles]
 
 
 def _uneven(rows: int) -> Mesh:

@@ -9,12 +9,12 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import fcl
+from ._arrays import Floats, Triangles
 from ._simdop import Body, Scene
-
-Floats = NDArray[np.float64]
+from .fcl.managers import nearest_pairs
 
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
 
@@ -103,7 +103,7 @@ class _Surface(fcl.BVHModel):
 _bodies: WeakValueDictionary[tuple[bytes, bytes, bool], Body] = WeakValueDictionary()
 
 
-def _shared(vertices: Floats, triangles: NDArray[np.int64], solid: bool) -> Body:
+def _shared(vertices: Floats, triangles: Triangles, solid: bool) -> Body:
     key = (vertices.tobytes(), triangles.tobytes(), solid)
     body = _bodies.get(key)
     if body is None:
@@ -121,6 +121,13 @@ def mesh_to_convex(mesh: Any) -> fcl.Convex:
     return _Convex(mesh)
 
 
+def _as_matrix(transform: ArrayLike) -> Floats:
+    matrix = np.asanyarray(transform, dtype=np.float64)
+    if matrix.shape != (4, 4):
+        raise ValueError("transform must be (4,4)!")
+    return matrix
+
+
 def _is_rigid(transform: Floats) -> bool:
     rotation = transform[:3, :3]
     deviation = np.abs(rotation @ rotation.T - np.eye(3)).max()
@@ -128,13 +135,11 @@ def _is_rigid(transform: Floats) -> bool:
 
 
 def _object(mesh: Any, transform: ArrayLike | None) -> fcl.CollisionObject:
-    matrix = np.eye(4) if transform is None else np.asanyarray(transform, dtype=np.float64)
-    if matrix.shape != (4, 4):
-        raise ValueError("transform must be (4,4)!")
+    matrix = np.eye(4) if transform is None else _as_matrix(transform)
     if not _is_rigid(matrix):
         mesh, matrix = mesh.copy().apply_transform(matrix), np.eye(4)
     geometry = mesh_to_convex(mesh) if mesh.is_convex else mesh_to_BVH(mesh)
-    return fcl.CollisionObject(geometry, fcl.Transform(matrix[:3, :3], matrix[:3, 3]))
+    return fcl.CollisionObject(geometry, fcl.Transform._from_matrix(matrix))
 
 
 class CollisionManager:
@@ -150,7 +155,7 @@ class CollisionManager:
         obj = _object(mesh, transform)
         if name in self._objs:
             self.remove_object(name)
-        number = self._scene.add(obj.collision_geometry._body(), obj._matrix)
+        number = obj._add_to(self._scene)
         self._objs[name] = {"obj": obj, "geom": obj.collision_geometry, "mesh": mesh, "number": number}
         self._names[number] = name
         return obj
@@ -169,9 +174,7 @@ class CollisionManager:
     def set_transform(self, name: Any, transform: ArrayLike) -> None:
         """Place the mesh of a name at another transform, (4, 4)."""
         entry = self._entry(name)
-        matrix = np.asanyarray(transform, dtype=np.float64)
-        if matrix.shape != (4, 4):
-            raise ValueError("transform must be (4,4)!")
+        matrix = _as_matrix(transform)
         if entry.get("scaled") or not _is_rigid(matrix):
             self.add_object(name, entry["mesh"], matrix)
             self._objs[name]["scaled"] = True
@@ -236,7 +239,7 @@ class CollisionManager:
             others.remove(entry["number"])
             alone = CollisionManager()
             alone._objs = self._objs
-            alone._names = {alone._scene.add(entry["geom"]._body(), entry["obj"]._matrix): name}
+            alone._names = {entry["obj"]._add_to(alone._scene): name}
             distance, names, data = self._min_distance(others, alone)
         return _returned(distance, None if names is None else tuple(sorted(names)), data, return_names, return_data)
 
@@ -252,10 +255,9 @@ class CollisionManager:
     ) -> tuple[float, tuple[Any, Any] | None, DistanceData | None]:
         """Of all pairs that meet, the deepest."""
         theirs, their_scene = (self, None) if other is None else (other, other._scene)
-        near = scene.clearance(other=their_scene)
-        if near.bodies is None:
+        pairs = nearest_pairs(scene, their_scene)
+        if not pairs:
             return float("inf"), None, None
-        pairs = [near.bodies] if near.upper > 0.0 else scene.pairs(other=their_scene)
         request, result, names = fcl.DistanceRequest(True, True), fcl.DistanceResult(), None
         for a, b in pairs:
             before = result.min_distance
