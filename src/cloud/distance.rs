@@ -140,8 +140,9 @@ fn shrinking(
     }
     let mut margin = cutoff.min(FARTHEST);
     while let Some(near) = search(margin, &mut found.stats) {
-        let Some((pair, Separation { upper, a, b, .. })) = near else { return out_of_budget(found) };
-        let mut next = 0.5 * margin;
+        let Some((pair, Separation { lower, upper, a, b })) = near else { return out_of_budget(found) };
+        // A pair whose own bounds are wider than the tolerance is found again: the next margin is below them.
+        let mut next = f64::max(0.5 * margin, if lower < margin { lower / (1.0 + WIDE) } else { 0.0 });
         if upper < found.upper {
             found.upper = upper;
             found.witness = Some(Witness { pair, a, b });
@@ -156,6 +157,9 @@ fn shrinking(
     }
     found
 }
+
+/// How far below a pair's lower bound a margin has to be, relatively, for the pair to be certainly beyond it.
+const WIDE: f64 = crate::exact::power_of_two(-32);
 
 fn out_of_budget(found: Distance) -> Distance {
     Distance { lower: 0.0, completion: Completion::OutOfBudget, ..found }

@@ -320,6 +320,28 @@ fn a_wall_across_is_met_wherever_it_stands() {
     }
 }
 
+/// What one motion stores in a scene says nothing of the next: a long one through a wall after a short one beside it.
+#[test]
+fn a_motion_leaves_nothing_to_the_next() {
+    let (ball, wall) = (point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
+    let query = Query::new(Isa::detect());
+    for i in -19..=19 {
+        let x = 0.1 * f64::from(i) + 0.003;
+        let mut scene = Scene::new();
+        let id = scene.insert(Body::new(ball.view()).with_radius(1e-3), &at(-2.0, 0.0, 0.0)).unwrap();
+        let _ = scene.insert(Body::new(wall.view()).fixed(), &at(x, 0.0, 0.0)).unwrap();
+        let [beside, across] = [at(x - 2e-3, 0.0, 0.0), at(-2.0, 0.0, 0.0)];
+        for (start, along, advance, is_free) in
+            [(beside, [0.0, 1.0, 0.0], 0.02, true), (across, [1.0, 0.0, 0.0], 4.0, false)]
+        {
+            let (screw, starts) = (Screw::new([0.0; 3], along, 0.0, advance).unwrap(), [start]);
+            let answer = edge(&mut scene, &query, &[id], &mut ScrewMotion::new(screw, &starts), 64);
+            assert_eq!(answer.is_free(), is_free, "{x}: {answer:?}");
+            assert!(answer.times > 3, "both are split: {answer:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_no_edge_is_refused() {
     let cube = solid([0.0; 3], [1.0; 3]);
