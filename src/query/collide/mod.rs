@@ -150,36 +150,24 @@ impl Query {
         A::Primitive: PrimitivePair<B::Primitive>,
         B::Primitive: PrimitivePair<A::Primitive>,
     {
-        let mut stats = QueryStats::default();
-        if are_apart(a.header(), b.header(), pose, 0.0) {
-            return (Completion::Complete, stats);
-        }
-        let stop = with_bvhs(a, b, |a, b| {
-            self.run((a, b), pose, Touching, &mut stats, &mut |found| visit(found.pair(a, b)))
-        });
-        let completion = match stop {
-            None => Completion::Complete,
-            Some(Stop::Visitor) => Completion::Stopped,
-            Some(Stop::Budget { .. }) => Completion::OutOfBudget,
-        };
-        (completion, stats)
+        with_bvhs(a, b, |a, b| self.for_each_found(a, b, pose, &mut |found| visit(found.pair(a, b))))
     }
 }
 
 impl Query {
     /// [`Query::for_each_pair`] by indices in leaf order.
-    pub(in crate::query) fn for_each_leaf_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+    pub(in crate::query) fn for_each_found<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
-        visit: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(Found) -> ControlFlow<()>,
     ) -> (Completion, QueryStats) {
         let mut stats = QueryStats::default();
         if are_apart(a.header(), b.header(), pose, 0.0) {
             return (Completion::Complete, stats);
         }
-        let stop = self.run((a, b), pose, Touching, &mut stats, &mut |found| visit(found.a, found.b));
+        let stop = self.run((a, b), pose, Touching, &mut stats, visit);
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,

@@ -7,9 +7,8 @@ mod patch;
 pub use contact::{Contacts, TriangleContact};
 pub use patch::{ContactPatch, TooManyPatches, patches};
 
-use super::entry::{Completion, Pair, Query, QueryStats};
+use super::entry::{Completion, Query, QueryStats};
 use super::lanes::Lanes;
-use super::setup::{Touching, are_apart};
 use crate::hierarchy::{AsBvh, with_bvhs};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Triangles};
@@ -71,27 +70,15 @@ impl Query {
         A: AsBvh<Primitive = Triangles, Node: Lanes>,
         B: AsBvh<Primitive = Triangles, Node = A::Node>,
     {
-        let (mut stats, mut is_stopped) = (QueryStats::default(), false);
-        if are_apart(a.header(), b.header(), pose, 0.0) {
-            return (Completion::Complete, stats);
-        }
-        let stop = with_bvhs(a, b, |a, b| {
-            self.run((a, b), pose, Touching, &mut stats, &mut |found| {
+        with_bvhs(a, b, |a, b| {
+            self.for_each_found(a, b, pose, &mut |found| {
                 let moved = Triangles::moved(&a.primitive(found.a), pose);
-                let pair: Pair = found.pair(a, b);
                 // All pairs that are found meet.
-                let Some(contact) = TriangleContact::of(pair, &moved, &b.primitive(found.b)) else {
-                    return ControlFlow::Continue(());
-                };
-                is_stopped = visit(contact).is_break();
-                if is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                match TriangleContact::of(found.pair(a, b), &moved, &b.primitive(found.b)) {
+                    Some(contact) => visit(contact),
+                    None => ControlFlow::Continue(()),
+                }
             })
-        });
-        let completion = match stop {
-            None => Completion::Complete,
-            Some(_) if is_stopped => Completion::Stopped,
-            Some(_) => Completion::OutOfBudget,
-        };
-        (completion, stats)
+        })
     }
 }

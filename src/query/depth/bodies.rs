@@ -263,16 +263,15 @@ where
     fn middle_of_contact(&mut self, pose: &Pose) -> Result<Option<Point>, OutOfBudget> {
         let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
         let (a, b) = (self.a, self.b);
-        let (completion, stats) =
-            self.query.after(&self.stats).for_each_leaf_pair(a, b, pose, &mut |i, j| {
-                let (moved, still) = (P::moved(&a.primitive(i), pose), b.primitive(j));
-                for corner in P::corners(&moved).chain(Q::corners(&still)) {
-                    sum = core::array::from_fn(|i| sum[i] + corner[i]);
-                    count += 1.0;
-                }
-                pairs += 1;
-                if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            });
+        let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
+            let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
+            for corner in P::corners(&moved).chain(Q::corners(&still)) {
+                sum = core::array::from_fn(|i| sum[i] + corner[i]);
+                count += 1.0;
+            }
+            pairs += 1;
+            if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
         self.stats = self.stats.and(&stats);
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);
