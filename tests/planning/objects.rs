@@ -86,7 +86,8 @@ fn what_is_attached_is_carried() {
     assert!(scene.check_motion(&mut workspace, [&UPRIGHT, &folded]).unwrap().is_free());
     // What cannot be put down stays in the hand.
     assert!(scene.detach(cup, &at(2.0_f64.powi(299), 0.0, 0.0)).is_err());
-    assert!(scene.is_free(&mut workspace, &UPRIGHT).unwrap());
+    assert!(scene.is_free(&mut workspace, &folded).unwrap());
+    assert_eq!(scene.to_world(&workspace, cup, [0.0; 3]).unwrap(), in_world);
     // Put down in the hand's way, it is in the way again.
     scene.detach(cup, &at(0.0, 0.0, 1.26)).unwrap();
     assert!(
