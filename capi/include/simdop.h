@@ -1720,7 +1720,7 @@ simdop_error simdop_signed_distance(const simdop_body *a,
                                     simdop_signed_distance_answer *answer);
 
 /**
- * Where do the triangles of two bodies touch? Writes at most `room` contacts, and allocates as many during the call. Other bodies are SIMDOP_ERROR_NOT_MESHES.
+ * Where do the triangles of two bodies touch? Writes at most `room` contacts. Other bodies are SIMDOP_ERROR_NOT_MESHES.
  * Otherwise like simdop_collide().
  *
  * # Safety
