@@ -4,6 +4,8 @@
 
 # Without line tables, which nobody reads here, all builds are shorter.
 export CI=true CARGO_TERM_COLOR=never CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_INCREMENTAL=0 CARGO_NET_RETRY=5
+# No times are measured here, and optimising across codegen units takes a fifth of the time to compile.
+export CARGO_PROFILE_RELEASE_LTO=off
 export DEBIAN_FRONTEND=noninteractive
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 SIMDOP_DATA=$(realpath -m "${SIMDOP_DATA:-../shared/data}")
@@ -26,8 +28,8 @@ BARE=(
 )
 CONSUMERS=tests/no_std_consumer
 
-# Packages and features of the README's test command, once `host_selection` has read it. All that is built for this
-# machine's release profile is built with them, so that nothing is built twice.
+# Profile, packages and features of the README's test command, once `host_selection` has read it. All that is built in
+# that profile for this machine is built with them, so that nothing is built twice.
 HOST=()
 # The same with the feature that tests and benches of devices need.
 WITH_GPU=()
@@ -92,9 +94,9 @@ readme_test_command() {
 host_selection() {
   local -a words
   read -ra words <<<"$(readme_test_command)"
-  [ "${words[*]:0:3}" = "cargo test --release" ] ||
-    die "the README's test command does not begin with cargo test --release"
-  HOST=("${words[@]:3}")
+  [ "${words[*]:0:4}" = "cargo test --profile suite" ] ||
+    die "the README's test command does not begin with cargo test --profile suite"
+  HOST=("${words[@]:2}")
   # wgpu takes longer to build than all else, and most users have no use for it.
   WITH_GPU=("${HOST[@]}" --features simdop/gpu)
 }
@@ -105,7 +107,7 @@ host_isas() { if has_avx512; then echo avx2,avx512; else echo avx2; fi; }
 # neon ARGUMENTS...: cargo test for aarch64 on an emulated CPU.
 neon() {
   SIMDOP_REQUIRE_ISA=neon CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER=$NEON_RUNNER \
-    cargo test --locked --release --target "$NEON" "$@"
+    cargo test --locked --profile suite --target "$NEON" "$@"
 }
 
 # miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be
@@ -122,20 +124,21 @@ short_bench() {
   evidence "bench $1, short"
 }
 
-# fuzz_all RUNS SEED: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer
+# fuzz_all RUNS SEED OPTIONS...: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer
 # and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
 fuzz_all() {
-  local targets target runs
+  local targets target runs count=$1 seed=$2
+  shift 2
   targets=$(cargo +nightly fuzz list)
   [ -n "$targets" ] || die "fuzz/ has no target"
   for target in $targets; do
     step "$target"
     [ -d "fuzz/seeds/$target" ] || die "fuzz/seeds has nothing for $target"
     mkdir -p "$LOGS/corpus/$target"
-    cargo +nightly fuzz run --no-trace-compares "$target" "$LOGS/corpus/$target" "fuzz/seeds/$target" -- \
-      -runs="$1" -seed="$2" -max_len=4096 -timeout=60 -verbosity=0 -print_final_stats=1 2>&1 | tee "$LOGS/fuzz"
+    cargo +nightly fuzz run --no-trace-compares "$@" "$target" "$LOGS/corpus/$target" "fuzz/seeds/$target" -- \
+      -runs="$count" -seed="$seed" -max_len=4096 -timeout=60 -verbosity=0 -print_final_stats=1 2>&1 | tee "$LOGS/fuzz"
     runs=$(awk '/number_of_executed_units/ {print $2}' "$LOGS/fuzz")
-    [ "${runs:-0}" -ge "$1" ] || die "$target ran ${runs:-no} times of $1"
+    [ "${runs:-0}" -ge "$count" ] || die "$target ran ${runs:-no} times of $count"
     evidence "fuzz target $target: $runs runs"
   done
 }

@@ -100,7 +100,7 @@ fn kernels_leave_no_function_of_their_own() {
     };
     let searches = search();
     if cfg!(debug_assertions) {
-        notice("NOT CHECKED: needs cargo test --release");
+        notice("NOT CHECKED: needs an optimised build: cargo test --profile suite");
         return;
     }
     let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());

@@ -180,6 +180,24 @@ macro_rules! for_k {
 }
 
 /// Calls a generic function for a node type. Few types have half floats, so that the targets are compiled in time.
+/// Without the feature `all-nodes` it is one of three, as in tests/queries: compiling the queries of a node type takes
+/// longer than a short run.
+#[cfg(not(feature = "all-nodes"))]
+#[macro_export]
+macro_rules! for_node {
+    ($choice:expr, $function:ident($($argument:expr),*)) => {{
+        use simdop::node::{Node4, Node16};
+        let $crate::NodeChoice { four, half, .. } = $choice;
+        match (half, four) {
+            (true, _) => $function::<Node16<26, $crate::Half>>($($argument),*),
+            (_, true) => $function::<Node4<14>>($($argument),*),
+            _ => $function::<Node16<18>>($($argument),*),
+        }
+    }};
+}
+
+/// Calls a generic function for a node type. Few types have half floats, so that the targets are compiled in time.
+#[cfg(feature = "all-nodes")]
 #[macro_export]
 macro_rules! for_node {
     ($choice:expr, $function:ident($($argument:expr),*)) => {{

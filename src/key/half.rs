@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "a minute"]
+    #[ignore = "seconds"]
     fn rounding_is_upwards_a_hundred_million_times() {
         let mut rng = Rng::new(17);
         (0..100_000_000).for_each(|_| check(f32::from_bits(rng.u64() as u32)));

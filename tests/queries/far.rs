@@ -1,12 +1,12 @@
 //! Distances and margins of bodies that are far apart or differ greatly in size, against brute force in exact
 //! integers. They cost no more than those of close bodies.
 
-use crate::build_with_leaves;
 use crate::support::data::{MeshData, suite_step};
 use crate::support::exact::Tri;
 use crate::support::exact_distance::{exact_distance, mesh_distance};
 use crate::support::rng::Rng;
 use crate::support::shapes;
+use crate::{HalfNode, build_with_leaves};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -145,7 +145,7 @@ fn distances_and_margins_equal_brute_force_at_any_offset() {
                 &build_with_leaves(&a, leaf_size),
                 &build_with_leaves(&b, leaf_size),
             ),
-            3 => check::<Node16<32>>(&scene, &build_with_leaves(&a, 1), &build_with_leaves(&b, 1)),
+            3 => check::<HalfNode>(&scene, &build_with_leaves(&a, 1), &build_with_leaves(&b, 1)),
             _ => check::<Node16<18>>(&scene, &build_with_leaves(&a, leaf_size), &build_with_leaves(&b, 1)),
         }
     }
@@ -185,7 +185,7 @@ fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
             #[cfg(simdop_all_nodes)]
             0 => check::<Node16<14>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 2)),
             1 => check::<Node4<14>>(&scene, &build_with_leaves(a, 2), &build_with_leaves(b, 1)),
-            2 => check::<Node16<32>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 1)),
+            2 => check::<HalfNode>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 1)),
             _ => check::<Node16<18>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 1)),
         }
     }

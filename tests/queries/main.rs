@@ -1,6 +1,6 @@
 //! All tests of queries in one program, so that the queries of each node type and instruction set are compiled
 //! once, and not once for each file. A file's tests have the name of its module:
-//! `cargo test --release --test queries distance::`.
+//! `cargo test --profile suite --test queries distance::`.
 //!
 //! Compiling them takes most of the time. So the tests run on three node types: the default one, one of half
 //! floats, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
@@ -18,11 +18,14 @@ mod one_point;
 #[path = "../support/mod.rs"]
 mod support;
 
+/// Half floats, and the most planes that a type-erased tree has.
+type HalfNode = simdop::node::Node16<26, simdop::low_level::key::Half>;
+
 /// Calls a generic function with the arguments, once for each node type.
 macro_rules! for_each_node {
     ($function:ident($($argument:expr),*)) => {
         for_each_node!(@ $function ($($argument),*)
-            Node16<18>, Node16<26, simdop::low_level::key::Half>, Node4<14>);
+            Node16<18>, crate::HalfNode, Node4<14>);
         #[cfg(simdop_all_nodes)]
         for_each_node!(@ $function ($($argument),*)
             Node16<6>, Node16<14>, Node16<26>, Node16<32>, Node4<6>, Node4<18>, Node4<26>, Node4<32>,

@@ -5,7 +5,7 @@ use crate::support::data::{Approach, MeshData, notice, suite_step};
 use crate::support::dyadic::{Dyadic, dot};
 use crate::support::rng::Rng;
 use crate::support::shapes;
-use crate::{Line, aligned, pairs_that_meet};
+use crate::{HalfNode, Line, aligned, pairs_that_meet};
 use alloc::collections::BTreeSet;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header, Lane};
@@ -435,8 +435,11 @@ fn long_queries_agree_with_and_without_slabs() {
     // Each is compiled for every instruction set. `tests/queries/mesh_poses.rs` has all node types.
     let mesh = wavy_torus(if suite_step() > 1 { 30 } else { 60 });
     #[cfg(simdop_all_nodes)]
-    answers_agree::<Node16<6>>(&mesh);
+    {
+        answers_agree::<Node16<6>>(&mesh);
+        answers_agree::<Node16<32>>(&mesh);
+    }
     answers_agree::<Node16<18>>(&mesh);
-    answers_agree::<Node16<32>>(&mesh);
+    answers_agree::<HalfNode>(&mesh);
     answers_agree::<Node4<14>>(&mesh);
 }

@@ -6,7 +6,6 @@
 //! before all of another along any vector, the bodies are disjoint.
 
 use crate::one_point::{NO_EXTENT, OnePoint, for_each_k};
-use crate::pairs_that_meet;
 use crate::support::codes::SPECIAL;
 use crate::support::data::{MeshData, suite_step};
 use crate::support::dyadic::{Dyadic, apart_along, dot, dot_rounded};
@@ -14,6 +13,7 @@ use crate::support::exact::{Tri, meeting_pairs};
 use crate::support::rng::Rng;
 use crate::support::shapes;
 use crate::support::turns::{add, pose, random_point, rotation};
+use crate::{HalfNode, pairs_that_meet};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
@@ -538,9 +538,12 @@ fn unlike_bodies<N: Lanes>() {
 #[test]
 fn bodies_of_unlike_size_meet_in_every_pair() {
     #[cfg(simdop_all_nodes)]
-    unlike_bodies::<Node16<6>>();
+    {
+        unlike_bodies::<Node16<6>>();
+        unlike_bodies::<Node16<32>>();
+    }
     unlike_bodies::<Node16<18>>();
-    unlike_bodies::<Node16<32>>();
+    unlike_bodies::<HalfNode>();
     unlike_bodies::<Node4<14>>();
 }
 

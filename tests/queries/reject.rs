@@ -22,7 +22,7 @@ fn dot(p: &Vector, q: &Vector) -> f64 {
     (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2]
 }
 
-fn segment(p: Vector, q: Vector) -> Bvh<Node16<6>> {
+fn segment(p: Vector, q: Vector) -> Bvh<Node16<18>> {
     build(&MeshData { vertices: vec![p, q], triangles: vec![[0, 1, 1]] })
 }
 
@@ -39,8 +39,8 @@ fn matrix(rng: &mut Rng) -> [Vector; 3] {
 
 /// Two bodies, the pose, and their distance `gap`, up to rounding.
 struct Scene {
-    a: Bvh<Node16<6>>,
-    b: Bvh<Node16<6>>,
+    a: Bvh<Node16<18>>,
+    b: Bvh<Node16<18>>,
     pose: Pose,
     gap: f64,
     what: String,

@@ -6,7 +6,7 @@ use crate::support::dyadic::sign_of_determinant;
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, scaled, separate, torus};
 use crate::support::turns::{pose, rotation};
-use crate::{aligned, mesh_of};
+use crate::{HalfNode, aligned, mesh_of};
 use core::mem::offset_of;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
@@ -412,8 +412,11 @@ fn what_is_inside_of_a_solid_is_a_hit() {
 fn so_it_is_for_other_node_types() {
     let count = if cfg!(miri) { 4 } else { 8_000 / suite_step() };
     #[cfg(simdop_all_nodes)]
-    random_placements::<Node16<6>>(3, count);
-    random_placements::<Node16<32>>(4, count);
+    {
+        random_placements::<Node16<6>>(3, count);
+        random_placements::<Node16<32>>(4, count);
+    }
+    random_placements::<HalfNode>(4, count);
     random_placements::<Node4<14>>(5, count);
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A thread that overflows its stack aborts the process: these tests have nothing to assert.
 
-use crate::each_pair;
+use crate::{HalfNode, each_pair};
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef};
@@ -180,7 +180,10 @@ fn check_scenes<N: Lanes>() {
 fn queries_need_no_more_stack_than_is_documented() {
     for_each_node!(check());
     check_scenes::<Node16<18>>();
+    #[cfg(simdop_all_nodes)]
     check_scenes::<Node4<14>>();
+    check_spheres::<HalfNode>();
+    #[cfg(simdop_all_nodes)]
     check_spheres::<Node16<32>>();
     for_each_node!(check_solids());
     for_each_node!(check_penetration());

@@ -64,7 +64,7 @@ fn world_pose(rng: &mut Rng, unit: f64) -> Pose {
     pose(&turn, random_point(rng, [0.0, unit, unit, 1e3 * unit, 1e6 * unit]))
 }
 
-fn body(corners: [Vector; 3]) -> Bvh<Node16<6>> {
+fn body(corners: [Vector; 3]) -> Bvh<Node16<18>> {
     build(&MeshData { vertices: corners.to_vec(), triangles: vec![[0, 1, 2]] })
 }
 

@@ -8,6 +8,9 @@ use crate::support::data::suite_step;
 use std::collections::BTreeMap;
 use std::process::Output;
 
+/// Each trial starts a process, so that these bytes are one in three. Fuzz targets have the others.
+const STEP: usize = 3;
+
 /// When a truncated file is accepted.
 #[derive(Copy, Clone)]
 enum Ends {
@@ -99,14 +102,14 @@ fn fate(folder: &Folder, kind: &Kind, what: &str) -> (i32, String) {
 #[test]
 fn a_file_that_ends_early_is_refused() {
     let folder = Folder::new("cut_anywhere");
-    for kind in kinds(&folder) {
+    for (i, kind) in kinds(&folder).iter().enumerate() {
         let whole = kind.content.len();
         folder.write(kind.name, &kind.content);
-        assert!(fate(&folder, &kind, "whole").0 < 2, "{}: {:?}", kind.name, fate(&folder, &kind, "whole"));
+        assert!(fate(&folder, kind, "whole").0 < 2, "{}: {:?}", kind.name, fate(&folder, kind, "whole"));
         let mut taken = 0;
-        for length in (0..whole).rev().step_by(suite_step()) {
+        for length in (0..whole).rev().skip(i % STEP).step_by(STEP * suite_step()) {
             folder.write(kind.name, &kind.content[..length]);
-            let (code, message) = fate(&folder, &kind, &format!("cut at {length} of {whole}"));
+            let (code, message) = fate(&folder, kind, &format!("cut at {length} of {whole}"));
             let is_whole = match kind.ends {
                 Ends::Last(bytes) => length + bytes >= whole,
                 Ends::Lines => kind.content[..length].ends_with(b"\n"),
@@ -130,13 +133,13 @@ fn a_file_that_ends_early_is_refused() {
 fn a_file_with_a_changed_byte_does_no_harm() {
     let folder = Folder::new("changed");
     let mut codes = BTreeMap::<i32, u32>::new();
-    for kind in kinds(&folder) {
+    for (i, kind) in kinds(&folder).iter().enumerate() {
         let mut bytes = kind.content.clone();
-        for at in (0..bytes.len()).step_by(suite_step()) {
+        for at in (i % STEP..bytes.len()).step_by(STEP * suite_step()) {
             let change = if at % 9 == 8 { 0xff } else { 1 << (at % 8) };
             bytes[at] ^= change;
             folder.write(kind.name, &bytes);
-            let (code, _) = fate(&folder, &kind, &format!("byte {at} xor {change:#x}"));
+            let (code, _) = fate(&folder, kind, &format!("byte {at} xor {change:#x}"));
             *codes.entry(code).or_default() += 1;
             bytes[at] ^= change;
         }

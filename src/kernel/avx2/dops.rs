@@ -207,16 +207,16 @@ compiled_for_avx2! {
     /// Rounds sixteen values to codes ([`Storage::around`]), and returns their complements.
     #[inline]
     fn encode_query<S: Storage>(values: [__m256; 2]) -> __m256i {
+        // No closures here and in the kernels below: LLVM does not always inline them.
+        let most = _mm256_set1_ps(if S::IS_HALF { f32::INFINITY } else { f32::from(S::INFINITY) });
         // NaN is an unbounded plane: if the first operand is NaN, `vminps` returns the second.
+        let (low, high) = (_mm256_min_ps(values[0], most), _mm256_min_ps(values[1], most));
         let codes = if S::IS_HALF {
-            let [low, high] = values.map(|x| floats_to_halves(_mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY))));
-            flipped(_mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high))
+            let low = _mm256_castsi128_si256(floats_to_halves(low));
+            flipped(_mm256_inserti128_si256::<1>(low, floats_to_halves(high)))
         } else {
-            let [low, high] = values.map(|x| {
-                _mm256_cvtps_epi32(_mm256_min_ps(x, _mm256_set1_ps(f32::from(S::INFINITY))))
-            });
             // Values below the range of `i32` become the least one.
-            _mm256_packs_epi32(low, high)
+            _mm256_packs_epi32(_mm256_cvtps_epi32(low), _mm256_cvtps_epi32(high))
         };
         let codes = _mm256_max_epi16(codes, _mm256_set1_epi16(!S::GREATEST));
         _mm256_xor_si256(codes, _mm256_set1_epi16(-1))
@@ -285,13 +285,18 @@ compiled_for_avx2! {
         }
         for slab in 0..K / 2 {
             let [p, q, r, _] = map.sources[slab];
-            let weights = [0, 1, 2].map(|l| _mm256_set1_ps(map.weights[l][slab]));
+            let [u, v, w] = &map.weights;
+            let weights = [_mm256_set1_ps(u[slab]), _mm256_set1_ps(v[slab]), _mm256_set1_ps(w[slab])];
             for side in 0..2 {
                 // SAFETY: the loop above initialized all planes.
-                let [a, b, c] = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
+                let a = unsafe { planes[usize::from(p) ^ side].assume_init_ref() };
+                // SAFETY: as above.
+                let b = unsafe { planes[usize::from(q) ^ side].assume_init_ref() };
+                // SAFETY: as above.
+                let c = unsafe { planes[usize::from(r) ^ side].assume_init_ref() };
                 let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
-                let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
-                let codes = encode_query::<S>([turned(0), turned(1)]);
+                let low = turn(weights, offset, [a[0], b[0], c[0]]);
+                let codes = encode_query::<S>([low, turn(weights, offset, [a[1], b[1], c[1]])]);
                 // SAFETY: the array has the 32 bytes written; the store needs no alignment.
                 unsafe { _mm256_storeu_si256(query[2 * slab + (side ^ 1)].as_mut_ptr().cast(), codes) };
             }
@@ -315,9 +320,9 @@ compiled_for_avx2! {
             *decoded = decode_4::<S>(load_4(codes));
         }
         for j in 0..K {
-            let terms = map.terms(j);
-            let weights = terms.map(|(_, weight)| _mm256_set1_ps(weight));
-            let turned = turn(weights, _mm256_set1_ps(map.offset[j]), terms.map(|(source, _)| planes[source]));
+            let [(p, u), (q, v), (r, w)] = map.terms(j);
+            let weights = [_mm256_set1_ps(u), _mm256_set1_ps(v), _mm256_set1_ps(w)];
+            let turned = turn(weights, _mm256_set1_ps(map.offset[j]), [planes[p], planes[q], planes[r]]);
             let codes = _mm256_castsi256_si128(encode_query::<S>([turned, turned]));
             // SAFETY: the array has the 8 bytes written; the store needs no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
@@ -340,15 +345,18 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     pub(super) fn beyond_16<const K: usize, S: Storage>(slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
-        let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
+        let [u, v, w] = slab.weights;
+        let weights = [_mm256_set1_ps(u), _mm256_set1_ps(v), _mm256_set1_ps(w)];
+        let [p, q, r] = slab.sources;
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| decode::<S>(load(&node.planes[usize::from(source) ^ side])));
-            let below = |half: usize| {
-                let sum = weighted_sum(weights, planes.map(|plane| plane[half]));
-                _mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit))
-            };
-            let (low, high) = (_mm256_castps_si256(below(0)), _mm256_castps_si256(below(1)));
+            let a = decode::<S>(load(&node.planes[usize::from(p) ^ side]));
+            let b = decode::<S>(load(&node.planes[usize::from(q) ^ side]));
+            let c = decode::<S>(load(&node.planes[usize::from(r) ^ side]));
+            let limit = _mm256_set1_ps(limit);
+            let low = _mm256_cmp_ps::<_CMP_LT_OQ>(weighted_sum(weights, [a[0], b[0], c[0]]), limit);
+            let high = _mm256_cmp_ps::<_CMP_LT_OQ>(weighted_sum(weights, [a[1], b[1], c[1]]), limit);
+            let (low, high) = (_mm256_castps_si256(low), _mm256_castps_si256(high));
             beyond |= !zero_lanes(in_order::<S>(_mm256_packs_epi32(low, high)));
         }
         beyond
@@ -358,11 +366,15 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     pub(super) fn beyond_4<const K: usize, S: Storage>(slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
-        let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
+        let [u, v, w] = slab.weights;
+        let weights = [_mm256_set1_ps(u), _mm256_set1_ps(v), _mm256_set1_ps(w)];
+        let [p, q, r] = slab.sources;
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| decode_4::<S>(load_4(&node.planes[usize::from(source) ^ side])));
-            let sum = weighted_sum(weights, planes);
+            let a = decode_4::<S>(load_4(&node.planes[usize::from(p) ^ side]));
+            let b = decode_4::<S>(load_4(&node.planes[usize::from(q) ^ side]));
+            let c = decode_4::<S>(load_4(&node.planes[usize::from(r) ^ side]));
+            let sum = weighted_sum(weights, [a, b, c]);
             beyond |= _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)));
         }
         // The upper lanes are zeros, not children.
