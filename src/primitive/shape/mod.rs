@@ -20,7 +20,8 @@
 //!
 //! The convex hull of points is a body of triangles, with their exactness: `construct::ConvexHull`.
 //!
-//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]).
+//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]); of hulls of points, both are
+//! ([`signed_separation`]).
 //!
 //! ```
 //! use simdop::glam::{DAffine3, DVec3};
@@ -51,7 +52,7 @@ mod pair;
 mod stored;
 
 pub use self::core::Core;
-pub use bounds::{Depth, depth};
+pub use bounds::{Convex, Depth, SignedSeparation, depth, signed_separation};
 pub use convex::Shape;
 pub use error::ShapeError;
 #[cfg(feature = "alloc")]

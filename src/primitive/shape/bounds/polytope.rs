@@ -1,4 +1,4 @@
-//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! The depth of two convex sets: a polytope inside of A - B grows towards the boundary at its nearest face (van den
 //! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
 //!
 //! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
@@ -13,8 +13,26 @@ use super::support::{Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-const FACES: usize = 128;
-const CORNERS: usize = 64;
+/// The difference A - B of two convex sets.
+pub(super) trait Difference {
+    /// The point of A - B that is farthest against d.
+    fn support(&self, d: &Point) -> Point;
+
+    /// Bounds the error of such a point's product with d, relative to the length of d, and of the choice of the point.
+    fn slack(&self) -> f64;
+}
+
+impl Difference for Operands {
+    #[inline(always)]
+    fn support(&self, d: &Point) -> Point {
+        self.support(d).0
+    }
+
+    #[inline(always)]
+    fn slack(&self) -> f64 {
+        self.slack
+    }
+}
 
 #[derive(Copy, Clone)]
 struct GrownFace {
@@ -26,36 +44,42 @@ struct GrownFace {
     high: f64,
 }
 
-struct GrownPolytope {
+/// At most 256 corners.
+struct GrownPolytope<const CORNERS: usize, const FACES: usize> {
     corners: [Point; CORNERS],
     faces: [GrownFace; FACES],
     corner_count: usize,
     face_count: usize,
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts
-/// from the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin.
-/// `None` if neither does.
+/// A lower bound of the depth, an upper one, and the direction in which it separates A from B. Starts from the support
+/// points along the axes, or from the corners of a tetrahedron in A - B that contains the origin. `None` if neither
+/// does.
 #[cold]
 #[inline(never)]
-pub(super) fn depth(
-    pair: &Operands,
+pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
+    pair: &impl Difference,
     corners: Option<[Point; 4]>,
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
     let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
-    let mut polytope =
-        GrownPolytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
+    let mut polytope = GrownPolytope::<CORNERS, FACES> {
+        corners: [[0.0; 3]; CORNERS],
+        faces: [none; FACES],
+        corner_count: 6,
+        face_count: 0,
+    };
+    let slack = pair.slack();
     for i in 0..6 {
         let mut d = [0.0; 3];
         d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
-        polytope.corners[i] = pair.support(&d).0;
+        polytope.corners[i] = pair.support(&d);
     }
     for [i, j, k] in [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
     {
         polytope.add_face([i, j, k]);
     }
-    if polytope.nearest().low <= pair.slack {
+    if polytope.nearest().low <= slack {
         let corners = corners?;
         (polytope.corner_count, polytope.face_count) = (4, 0);
         polytope.corners[..4].copy_from_slice(&corners);
@@ -68,24 +92,24 @@ pub(super) fn depth(
     loop {
         let nearest = polytope.nearest();
         // Otherwise all products of corners and normals are certainly positive.
-        if nearest.low <= pair.slack {
+        if nearest.low <= slack {
             break;
         }
         lower = lower.max(nearest.low);
         let d = each(|k| -nearest.normal[k]);
-        let (corner, _) = pair.support(&d);
+        let corner = pair.support(&d);
         let height = -dot(&d, &corner);
         if height < upper {
             (upper, along) = (height, d);
         }
-        if upper - lower <= (tolerance * upper).max(pair.slack) || !polytope.grow(corner, pair.slack) {
+        if upper - lower <= (tolerance * upper).max(slack) || !polytope.grow(corner, slack) {
             break;
         }
     }
-    Some((lower - pair.slack, upper + pair.slack, along))
+    Some((lower - slack, upper + slack, along))
 }
 
-impl GrownPolytope {
+impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
     fn nearest(&self) -> GrownFace {
         let mut best = self.faces[0];
         for face in &self.faces[1..self.face_count] {
