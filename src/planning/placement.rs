@@ -20,6 +20,7 @@ impl PlanningScene {
             poses: vec![Pose::IDENTITY; 2 * self.links.len()],
             values: [(); 3].map(|()| vec![0.0; robot.variables.len()]),
             waiting: Vec::new(),
+            derivatives: vec![[0.0; 3]; robot.variables.len()],
         }
     }
 

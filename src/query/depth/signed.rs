@@ -4,6 +4,7 @@ use super::Packings;
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
 use crate::primitive::Shapes;
+use crate::primitive::shape::SignedSeparation;
 use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
 use crate::query::lanes::Lanes;
 use crate::range::Point;
@@ -35,6 +36,14 @@ pub struct SignedDistance {
     pub stats: QueryStats,
 }
 
+impl From<SignedSeparation> for SignedDistance {
+    fn from(found: SignedSeparation) -> Self {
+        let (lower, upper) = (found.lower, found.upper);
+        let stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        Self { lower, upper, stats, ..Self::along(found.normal, found.a, found.b) }
+    }
+}
+
 impl Query {
     /// The [distance](Query::distance) of body `a`, placed by `pose` in the frame of body `b`, from `b` where they are
     /// apart, and minus their [depth](Query::depth) where they meet, with its derivative by the pose.
@@ -61,7 +70,7 @@ impl Query {
             let [p, q] = apart.witness.map_or([[0.0; 3]; 2], |witness| [witness.a, witness.b]);
             let normal = unit(&difference(&p, &q)).unwrap_or_default();
             let (lower, upper, completion) = (apart.lower, apart.upper, apart.completion);
-            return Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, p, q) });
+            return Ok(SignedDistance { lower, upper, completion, stats, ..SignedDistance::along(normal, p, q) });
         }
         let depth = self.after(&stats).with_hint(apart.hint).depth(a, b, pose, packings);
         stats = stats.and(&depth.stats);
@@ -79,14 +88,17 @@ impl Query {
         }
         let normal = unit(&depth.translation).unwrap_or_default();
         let (lower, upper) = (-depth.upper, -depth.lower);
-        Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, points[0], points[1]) })
+        Ok(SignedDistance { lower, upper, completion, stats, ..SignedDistance::along(normal, points[0], points[1]) })
     }
 
+}
+
+impl SignedDistance {
     /// What follows from the normal and the points.
-    fn along(normal: Point, a: Point, b: Point) -> SignedDistance {
+    pub(crate) fn along(normal: Point, a: Point, b: Point) -> Self {
         // A rotation by w moves the point by w x a, and the distance by n . (w x a) = w . (a x n).
         let [[x, y, z], [p, q, r]] = [normal, cross(&a, &normal)];
-        SignedDistance {
+        Self {
             lower: 0.0,
             upper: 0.0,
             normal,
