@@ -12,10 +12,10 @@ use super::{SceneHit, SceneSignedDistance, SceneVerdict, SignedWitness};
 use crate::exact::power_of_two;
 use crate::node::Aabb16;
 use crate::pose::Pose;
-use crate::primitive::shape::{Convex, Core, signed_separation};
+use crate::primitive::shape::{Convex, Core};
 use crate::query::{
     Answer, ByQueries, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats, SignedDistance, Verdict,
-    Witness, checked, depth_along_by,
+    Witness, depth_along_by,
 };
 use crate::range::Point;
 use crate::vector::{difference, dot, length, unit};
@@ -41,6 +41,24 @@ macro_rules! with_pair {
             (BodyTree::Shape($a), BodyTree::Shapes($b)) => $beside,
             (BodyTree::Shape($a), BodyTree::Shape($b)) => $shapes,
             ($a, $b) => $others,
+        }
+    };
+}
+
+/// Evaluates an expression for two trees, or another for any other pair.
+macro_rules! with_trees {
+    (($of_a:expr, $of_b:expr), |$a:ident, $b:ident| $trees:expr, $others:expr $(,)?) => {
+        match ($of_a, $of_b) {
+            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
+            _ => $others,
         }
     };
 }
@@ -119,13 +137,14 @@ impl<N: Lanes> BodyTree<'_, N> {
         pose: &Pose,
         tolerance: f64,
     ) -> Result<SignedDistance, SceneError> {
-        let _ = checked(tolerance).map_err(SceneError::Tolerance)?;
-        Ok(with_pair!(
-            (&self.view(), &other.view()),
+        let (a, b) = (self.view(), other.view());
+        if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
+            return Ok(SignedDistance::of_convex(&Convex::Shape(a.moved(pose)), &Convex::Shape(*b), tolerance)?);
+        }
+        Ok(with_trees!(
+            (&a, &b),
             |a, b| query.signed_distance(a, b, pose, tolerance, None)?,
-            signed_in_scene(query, [self, other], pose, tolerance)?,
-            signed_separation(&Convex::Shape(a.moved(pose)), &Convex::Shape(*b), tolerance).into(),
-            signed_in_scene(query, [a, b], pose, tolerance)?,
+            signed_in_scene(query, [&a, &b], pose, tolerance)?,
         ))
     }
 
@@ -136,12 +155,14 @@ impl<N: Lanes> BodyTree<'_, N> {
     /// # Errors
     /// As [`BodyTree::collide`].
     pub fn depth(&self, query: &Query, other: &Self, pose: &Pose) -> Result<DepthInterval, SceneError> {
-        Ok(with_pair!(
-            (&self.view(), &other.view()),
+        let (a, b) = (self.view(), other.view());
+        if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
+            return Ok(query.depth_shapes(a, b, pose, TOLERANCE));
+        }
+        Ok(with_trees!(
+            (&a, &b),
             |a, b| query.depth(a, b, pose, None),
-            depth_of(&signed_in_scene(query, [self, other], pose, TOLERANCE)?),
-            query.depth_shapes(a, b, pose, TOLERANCE),
-            depth_of(&signed_in_scene(query, [a, b], pose, TOLERANCE)?),
+            signed_in_scene(query, [&a, &b], pose, TOLERANCE)?.depth(),
         ))
     }
 
@@ -165,15 +186,10 @@ impl<N: Lanes> BodyTree<'_, N> {
             let is_free = deep == 0.0;
             return Ok(if is_free { 0.0 } else if cosine > 0.0 { deep / cosine } else { f64::INFINITY });
         }
-        Ok(with_pair!(
+        Ok(with_trees!(
             (&a, &b),
             |a, b| query.depth_along(a, b, pose, direction).0,
             self.depth_along_by_queries(query, other, pose, &direction)?,
-            self.depth_along_by_queries(query, other, pose, &direction)?,
-            {
-                let _ = (a, b);
-                self.depth_along_by_queries(query, other, pose, &direction)?
-            },
         ))
     }
 
@@ -184,7 +200,7 @@ impl<N: Lanes> BodyTree<'_, N> {
         pose: &Pose,
         direction: &Point,
     ) -> Result<f64, SceneError> {
-        if !self.collide(query, other, pose)?.hit().is_some() {
+        if self.collide(query, other, pose)?.is_free() {
             return Ok(0.0);
         }
         let ball = |tree: &Self| tree.ball().unwrap_or(([0.0; 3], 0.0));
@@ -206,12 +222,6 @@ impl<N: Lanes> BodyTree<'_, N> {
 
 /// Of the depth of two shapes.
 const TOLERANCE: f64 = power_of_two(-40);
-
-fn depth_of(signed: &SignedDistance) -> DepthInterval {
-    let [lower, upper] = [-signed.upper, -signed.lower].map(|x| if x > 0.0 { x } else { 0.0 });
-    let translation = signed.normal.map(|x| if upper > 0.0 { x * upper } else { 0.0 });
-    DepthInterval { lower, upper, translation, completion: signed.completion, stats: signed.stats }
-}
 
 fn half_space_normal<N>(tree: &BodyTree<'_, N>) -> Option<Point> {
     match tree {

@@ -1,11 +1,13 @@
 //! The signed distance: positive where two bodies are apart, minus their depth where they are not.
 
-use super::Packings;
+use super::{DepthInterval, Packings};
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
 use crate::primitive::Shapes;
-use crate::primitive::shape::SignedSeparation;
-use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
+use crate::primitive::shape::{Convex, SignedSeparation, signed_separation};
+use crate::query::entry::{
+    Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
+};
 use crate::query::lanes::Lanes;
 use crate::range::Point;
 use crate::vector::{cross, difference, unit};
@@ -94,6 +96,21 @@ impl Query {
 }
 
 impl SignedDistance {
+    /// That of two convex sets in one frame ([`signed_separation`]). `tolerance` is that of the distance and the depth.
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN.
+    pub fn of_convex(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> Result<Self, ToleranceError> {
+        Ok(signed_separation(a, b, checked(tolerance)?).into())
+    }
+
+    /// The depth: zero where the bodies are apart. The translation is along the normal.
+    pub fn depth(&self) -> DepthInterval {
+        let [lower, upper] = [-self.upper, -self.lower].map(|x| if x > 0.0 { x } else { 0.0 });
+        let translation = self.normal.map(|x| if upper > 0.0 { x * upper } else { 0.0 });
+        DepthInterval { lower, upper, translation, completion: self.completion, stats: self.stats }
+    }
+
     /// What follows from the normal and the points.
     pub(crate) fn along(normal: Point, a: Point, b: Point) -> Self {
         // A rotation by w moves the point by w x a, and the distance by n . (w x a) = w . (a x n).
