@@ -131,7 +131,12 @@ impl PyPatch {
 }
 
 /// The patches of two meshes, each with at most `most` points.
-fn patches_of(a: &BodyTree<'_, Node>, b: &BodyTree<'_, Node>, pose: &Pose, most: usize) -> PyResult<Vec<PyPatch>> {
+fn patches_of(
+    a: &BodyTree<'_, Node>,
+    b: &BodyTree<'_, Node>,
+    pose: &Pose,
+    most: usize,
+) -> PyResult<Vec<PyPatch>> {
     let (BodyTree::Mesh(a), BodyTree::Mesh(b)) = (a, b) else {
         let message = "patches takes two meshes or hulls: see contacts".to_owned();
         return Err(raise_as::<raised::BodyError>(message));
@@ -213,7 +218,8 @@ impl PyBody {
         match each(py, &poses, threads, |pose| patches_of(&a, &b, pose, points))? {
             Answers::One(found) => PyList::new(py, found),
             Answers::Many(found) => {
-                let lists = found.into_iter().map(|found| PyList::new(py, found)).collect::<PyResult<Vec<_>>>()?;
+                let lists =
+                    found.into_iter().map(|found| PyList::new(py, found)).collect::<PyResult<Vec<_>>>()?;
                 PyList::new(py, lists)
             }
         }

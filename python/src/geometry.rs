@@ -2,8 +2,8 @@
 
 use crate::error::{OrRaise, raise_as, raised};
 use pyo3::prelude::*;
-use simdop::cloud::{CLOUD_MAGIC, PointCloud};
 use simdop::Pose;
+use simdop::cloud::{CLOUD_MAGIC, PointCloud};
 use simdop::construct::{Builder, ConvexHull, Mesh, OwnedMesh, ShapeSet, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError};
 use simdop::mesh_io::MeshData;

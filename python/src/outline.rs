@@ -20,10 +20,12 @@ fn plus(p: &Point, x: f64, v: &Point) -> Point {
 /// A circle about an axis.
 fn circle(centre: &Point, axis: &Point, radius: f64, segments: usize) -> Vec<Point> {
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs())).unwrap_or(0);
-    let cross = |p: &Point, q: &Point| [0, 1, 2].map(|i: usize| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        p[j] * q[k] - p[k] * q[j]
-    });
+    let cross = |p: &Point, q: &Point| {
+        [0, 1, 2].map(|i: usize| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            p[j] * q[k] - p[k] * q[j]
+        })
+    };
     let unit = |v: Point| {
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         v.map(|x| x / length)

@@ -129,9 +129,8 @@ impl PyPlanningScene {
             let scene = self.read();
             let mut gradient = vec![0.0; scene.variables()];
             let mut memory = self.workspace(&scene);
-            let found = scene
-                .signed_clearance(memory.get(), &values, tolerance, cutoff, &mut gradient)
-                .or_raise()?;
+            let found =
+                scene.signed_clearance(memory.get(), &values, tolerance, cutoff, &mut gradient).or_raise()?;
             Ok(PySignedClearance { found, gradient: Some(gradient) })
         })
     }

@@ -3,8 +3,8 @@
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
-use crate::range::Point;
 use crate::motion::MotionError;
+use crate::range::Point;
 use crate::scene::{BodyId, SceneDistance, SceneError, SceneSignedDistance, SceneWitness};
 use crate::vector::{difference, dot, unit};
 use alloc::vec;

@@ -62,6 +62,6 @@ pub use classify_pair::{PairClass, PairReport};
 pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 pub use placement::Scene;
-pub use signed_clearance::{SceneSignedDistance, SignedWitness};
 #[cfg(feature = "planning")]
 pub(crate) use placement::check as check_pose;
+pub use signed_clearance::{SceneSignedDistance, SignedWitness};

@@ -7,12 +7,12 @@ use super::error::SceneError;
 use super::placement::Scene;
 use crate::exact::power_of_two;
 use crate::node::Dop;
+use crate::primitive::Shape;
 use crate::primitive::shape::{Convex, Core, signed_separation};
 use crate::primitive::triangle::distance::TIGHT;
-use crate::primitive::Shape;
 use crate::query::{
-    ByQueries, Completion, DepthInterval, Distance, Lanes, Query, QueryStats, ToleranceError, checked, depth_by,
-    half_space_depth,
+    ByQueries, Completion, DepthInterval, Distance, Lanes, Query, QueryStats, ToleranceError, checked,
+    depth_by, half_space_depth,
 };
 use crate::range::Point;
 use crate::vector::{difference, length, unit};
@@ -99,11 +99,12 @@ impl<N: Lanes + Dop> AskedPair<'_, N> {
             }),
             |shape, tree| query.shape_depth_within(&shape.moved(pose), tree, margin),
             |shape, cloud| {
-                let distance = |shape: &Shape, tolerance| {
-                    cloud.shape_distance(query, shape, tolerance, f64::INFINITY)
-                };
+                let distance =
+                    |shape: &Shape, tolerance| cloud.shape_distance(query, shape, tolerance, f64::INFINITY);
                 if is_half_space(shape) {
-                    half_space_depth(&shape.moved(pose), &cloud.extent(), margin, |away| distance(away, TIGHT))
+                    half_space_depth(&shape.moved(pose), &cloud.extent(), margin, |away| {
+                        distance(away, TIGHT)
+                    })
                 } else {
                     depth_by(&mut ByQueries {
                         query: *query,
@@ -209,10 +210,16 @@ impl<N: Lanes + Dop> Scene<'_, N> {
             normal: unit(&b.world.rotate(normal)).unwrap_or_default(),
         };
         if upper > 0.0 || answer.completion != Completion::Complete {
-            let witness = answer.witness.map(|witness| {
-                to_world(&witness, &[0.0; 3], &difference(&witness.a, &witness.b))
+            let witness = answer
+                .witness
+                .map(|witness| to_world(&witness, &[0.0; 3], &difference(&witness.a, &witness.b)));
+            return Ok(SignedPair {
+                lower,
+                upper,
+                witness,
+                completion: answer.completion,
+                stats: answer.stats,
             });
-            return Ok(SignedPair { lower, upper, witness, completion: answer.completion, stats: answer.stats });
         }
         let asked = AskedPair::new(slots, [&a.world, &b.world]);
         let margin = asked.padded(asked.radii);

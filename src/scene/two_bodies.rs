@@ -14,8 +14,8 @@ use crate::node::Aabb16;
 use crate::pose::Pose;
 use crate::primitive::shape::{Convex, Core};
 use crate::query::{
-    Answer, ByQueries, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats, SignedDistance, Verdict,
-    Witness, depth_along_by,
+    Answer, ByQueries, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats, SignedDistance,
+    Verdict, Witness, depth_along_by,
 };
 use crate::range::Point;
 use crate::vector::{difference, dot, length, unit};
@@ -139,7 +139,11 @@ impl<N: Lanes> BodyTree<'_, N> {
     ) -> Result<SignedDistance, SceneError> {
         let (a, b) = (self.view(), other.view());
         if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
-            return Ok(SignedDistance::of_convex(&Convex::Shape(a.moved(pose)), &Convex::Shape(*b), tolerance)?);
+            return Ok(SignedDistance::of_convex(
+                &Convex::Shape(a.moved(pose)),
+                &Convex::Shape(*b),
+                tolerance,
+            )?);
         }
         Ok(with_trees!(
             (&a, &b),
@@ -184,7 +188,13 @@ impl<N: Lanes> BodyTree<'_, N> {
             let deep = self.depth(query, other, pose)?.upper;
             let cosine = unit(&direction).zip(unit(&out)).map_or(0.0, |(d, n)| dot(&d, &n));
             let is_free = deep == 0.0;
-            return Ok(if is_free { 0.0 } else if cosine > 0.0 { deep / cosine } else { f64::INFINITY });
+            return Ok(if is_free {
+                0.0
+            } else if cosine > 0.0 {
+                deep / cosine
+            } else {
+                f64::INFINITY
+            });
         }
         Ok(with_trees!(
             (&a, &b),

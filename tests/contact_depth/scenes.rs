@@ -45,7 +45,9 @@ fn every_kind_has_the_depth_of_the_cube_that_it_is() {
             assert!((found.a[0] - 0.5).abs() < 1e-6 && (found.b[0] - 1.0).abs() < 1e-6, "{i} {found:?}");
             let depth = a.depth(&query(), b, &placed).unwrap();
             assert!((depth.upper - 0.5).abs() < 1e-9 && depth.lower > 0.48, "{i} {depth:?}");
-            for (direction, far) in [([3.0, 0.0, 0.0], 0.5), ([0.0, 1.0, 0.0], 1.75), ([0.0, 0.0, 2.0], 2.125)] {
+            for (direction, far) in
+                [([3.0, 0.0, 0.0], 0.5), ([0.0, 1.0, 0.0], 1.75), ([0.0, 0.0, 2.0], 2.125)]
+            {
                 let along = a.depth_along(&query(), b, &placed, direction).unwrap();
                 assert!((along - far).abs() < 1e-7, "{i} {along} {far}");
             }
@@ -57,7 +59,8 @@ fn every_kind_has_the_depth_of_the_cube_that_it_is() {
     }
     // A body of spheres and a cloud have no known inside, but a way out.
     let spheres = [Sphere { centre: [0.0; 3], radius: 1.0 }];
-    let ball = Builder::new().build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()));
+    let ball =
+        Builder::new().build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()));
     let (ball, cloud) = (ball.unwrap(), PointCloud::new(&[[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0]]).unwrap());
     for other in [Tree::from(ball.view()), Tree::PointCloud(cloud.view())] {
         let reach = if matches!(other, Tree::PointCloud(_)) { 0.0 } else { 1.0 };
@@ -86,14 +89,20 @@ fn half_spaces_are_left_along_their_normal() {
             // The ground is at z = 0.25.
             let height = lowest + z - 0.25;
             let found = body.signed_distance(&query(), &ground, &at(0.1, 0.2, z), 0.0).unwrap();
-            assert!((found.lower - height).abs() < 1e-11 && (found.upper - height).abs() < 1e-11, "{found:?}");
+            assert!(
+                (found.lower - height).abs() < 1e-11 && (found.upper - height).abs() < 1e-11,
+                "{found:?}"
+            );
             assert!(found.normal[2] > 1.0 - 1e-9 || height.abs() < 1e-12, "{found:?}");
             let back = ground.signed_distance(&query(), &body, &at(-0.1, -0.2, -z), 0.0).unwrap();
             assert!((back.lower - height).abs() < 1e-11 && (back.upper - height).abs() < 1e-11, "{back:?}");
             let deep = if height < 0.0 { -height } else { 0.0 };
             let up = body.depth_along(&query(), &ground, &at(0.1, 0.2, z), [0.0, 0.0, 1.0]).unwrap();
             let aslant = body.depth_along(&query(), &ground, &at(0.1, 0.2, z), [0.0, 1.0, 1.0]).unwrap();
-            assert!((up - deep).abs() < 1e-11 && (aslant - deep * 2.0_f64.sqrt()).abs() < 1e-11, "{up} {aslant}");
+            assert!(
+                (up - deep).abs() < 1e-11 && (aslant - deep * 2.0_f64.sqrt()).abs() < 1e-11,
+                "{up} {aslant}"
+            );
         }
     }
 }
@@ -153,7 +162,8 @@ fn scenes_have_the_least_of_their_pairs() {
             (0..6).map(|_| ([(); 3].map(|()| rng.range(-1.5, 1.5)), rng.range(0.2, 0.6))).collect();
         let mut scene: Scene<'_, Node16<18>> = Scene::new();
         for (centre, radius) in &spheres {
-            let _ = scene.insert(Body::new(Shape::sphere(*radius).unwrap()), &at(centre[0], centre[1], centre[2]));
+            let _ = scene
+                .insert(Body::new(Shape::sphere(*radius).unwrap()), &at(centre[0], centre[1], centre[2]));
         }
         let mut least = (f64::INFINITY, 0, 0);
         for (i, (p, r)) in spheres.iter().enumerate() {

@@ -101,7 +101,9 @@ pub(crate) fn half_space_depth(
         completion: Completion::OutOfBudget,
         stats,
     };
-    let Core::HalfSpace { normal, offset } = *half_space.core() else { return unknown(QueryStats::default()) };
+    let Core::HalfSpace { normal, offset } = *half_space.core() else {
+        return unknown(QueryStats::default());
+    };
     let long = length(&normal);
     let out = normal.map(|x| -x / long);
     // How deep the ball around the body is.

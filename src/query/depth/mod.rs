@@ -100,7 +100,8 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = PosedBodies { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE };
+            let mut bodies =
+                PosedBodies { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE };
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })

@@ -72,7 +72,13 @@ impl Query {
             let [p, q] = apart.witness.map_or([[0.0; 3]; 2], |witness| [witness.a, witness.b]);
             let normal = unit(&difference(&p, &q)).unwrap_or_default();
             let (lower, upper, completion) = (apart.lower, apart.upper, apart.completion);
-            return Ok(SignedDistance { lower, upper, completion, stats, ..SignedDistance::along(normal, p, q) });
+            return Ok(SignedDistance {
+                lower,
+                upper,
+                completion,
+                stats,
+                ..SignedDistance::along(normal, p, q)
+            });
         }
         let depth = self.after(&stats).with_hint(apart.hint).depth(a, b, pose, packings);
         stats = stats.and(&depth.stats);
@@ -90,9 +96,14 @@ impl Query {
         }
         let normal = unit(&depth.translation).unwrap_or_default();
         let (lower, upper) = (-depth.upper, -depth.lower);
-        Ok(SignedDistance { lower, upper, completion, stats, ..SignedDistance::along(normal, points[0], points[1]) })
+        Ok(SignedDistance {
+            lower,
+            upper,
+            completion,
+            stats,
+            ..SignedDistance::along(normal, points[0], points[1])
+        })
     }
-
 }
 
 impl SignedDistance {

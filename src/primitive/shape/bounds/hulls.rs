@@ -211,7 +211,8 @@ impl<'p> Hulls<'p> {
     /// What is certain of two bodies that are not certainly apart, and the direction out.
     fn depth(&self, found: &mut Approach, tolerance: f64) -> (f64, f64) {
         let lower = -found.upper;
-        if let Some((below, above, along)) = polytope::depth::<CORNERS, FACES>(self, found.around, tolerance) {
+        if let Some((below, above, along)) = polytope::depth::<CORNERS, FACES>(self, found.around, tolerance)
+        {
             found.raise(self, &along);
             return (lower.max(below), above.min(-found.lower));
         }
@@ -320,7 +321,8 @@ pub(super) fn above(points: &PosedPoints<'_>, half_space: &Shape) -> Option<Core
     let up = normal.map(|x| x / long);
     let lowest = points.support(&up.map(|x| -x));
     let height = (dot(&normal, &lowest) - offset) / long;
-    let slack = ROUNDINGS * 0.5 * f64::EPSILON * (points.extent() + offset.abs() / long) + 8.0 * MIN_COORDINATE;
+    let slack =
+        ROUNDINGS * 0.5 * f64::EPSILON * (points.extent() + offset.abs() / long) + 8.0 * MIN_COORDINATE;
     let b = each(|k| lowest[k] - height * up[k]);
     Some(CoreBounds { lower: height - slack, upper: height + slack, normal: up, a: lowest, b })
 }
