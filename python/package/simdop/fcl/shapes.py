@@ -174,7 +174,7 @@ class Plane(Halfspace):
 
 
 class Convex(CollisionGeometry):
-    """The hull of vertices; ``faces`` has each polygon's number of corners before their indices, and is only checked."""
+    """The hull of vertices; ``faces``, each polygon's number of corners before their indices, are only checked."""
 
     _NODE = NODE_TYPE.GEOM_CONVEX
 
