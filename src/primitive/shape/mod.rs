@@ -49,10 +49,11 @@ pub(crate) mod fast;
 mod hull;
 pub mod lanes;
 mod pair;
+mod signed;
 mod stored;
 
 pub use self::core::Core;
-pub use bounds::{Convex, Depth, SignedSeparation, depth, signed_separation};
+pub use bounds::{Depth, depth};
 pub use convex::Shape;
 pub use error::ShapeError;
 #[cfg(feature = "alloc")]
@@ -60,6 +61,7 @@ pub(crate) use error::length;
 pub(crate) use hull::hull_of;
 pub(crate) use pair::{is_near, nearer};
 pub use pair::{is_within, meets, separation};
+pub use signed::{Convex, SignedSeparation, signed_separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 #[cfg(doc)]

@@ -2,9 +2,9 @@
 //!
 //! A ball about a point inside of a convex shape is as large as the point's depth in it.
 
-use super::bodies::{ROUGH, Shared, slack};
+use super::bodies::{ROUGH, slack};
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, widened};
+use super::posed_pair::{PosedPair, Shared, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth, hull_of};

@@ -17,7 +17,7 @@
 
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{PosedPair, widened};
+use super::posed_pair::{PosedPair, Shared, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -32,19 +32,6 @@ use core::ops::ControlFlow;
 const ROUNDING: f64 = power_of_two(-44);
 /// Far above the least coordinate, and far below anything of a body.
 const LEAST: f64 = power_of_two(-240);
-
-/// Balls about one point inside of both bodies.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Shared {
-    /// All translations nearer than this to the one asked for are forbidden. Rounded down.
-    pub(super) radius: f64,
-    /// The point, in A's frame.
-    pub(super) point: Point,
-    /// From the surface of B to the point, and from that of A, in B's frame, of length 1.
-    pub(super) inwards: [Point; 2],
-    /// The radii of the two balls.
-    pub(super) radii: [f64; 2],
-}
 
 pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) query: Query,

@@ -1,10 +1,11 @@
 //! Bodies of which only the queries are known, such as a cloud and a shape; and half-spaces.
 
 use super::beside_shape::translated;
-use super::bodies::{ROUGH, Shared, slack};
-use super::interval::OutOfBudget;
-use super::posed_pair::PosedPair;
-use super::{DepthInterval, interval, way_out};
+use super::bodies::{ROUGH, slack};
+use super::interval::{DepthInterval, OutOfBudget};
+use super::posed_pair::{PosedPair, Shared};
+use super::search::interval;
+use super::way_out;
 use crate::frame::BodyBounds;
 use crate::primitive::Shape;
 use crate::primitive::shape::Core;

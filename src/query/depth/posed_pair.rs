@@ -1,10 +1,22 @@
 //! What a search for a depth asks of two bodies of any kind.
 
-use super::bodies::Shared;
 use super::interval::OutOfBudget;
 use crate::query::entry::QueryStats;
 use crate::range::Point;
 use crate::vector::{dot, unit};
+
+/// Balls about one point inside of both bodies.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Shared {
+    /// All translations nearer than this to the one asked for are forbidden. Rounded down.
+    pub(super) radius: f64,
+    /// The point, in A's frame.
+    pub(super) point: Point,
+    /// From the surface of B to the point, and from that of A, in B's frame, of length 1.
+    pub(super) inwards: [Point; 2],
+    /// The radii of the two balls.
+    pub(super) radii: [f64; 2],
+}
 
 /// Two bodies, and what is known after a translation of the first.
 pub(super) trait PosedPair {

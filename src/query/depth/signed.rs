@@ -1,6 +1,7 @@
 //! The signed distance: positive where two bodies are apart, minus their depth where they are not.
 
-use super::{DepthInterval, Packings};
+use super::interval::DepthInterval;
+use super::packings::Packings;
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
 use crate::primitive::Shapes;

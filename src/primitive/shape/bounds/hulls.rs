@@ -21,6 +21,9 @@ use crate::primitive::shape::core::Core;
 use crate::range::{MIN_COORDINATE, Point};
 use crate::vector::{cross, difference, dot, length};
 
+#[cfg(test)]
+mod tests;
+
 /// Of the slack, in units of the size.
 const ROUNDINGS: f64 = 128.0;
 /// The most steps towards the closest points.
@@ -35,9 +38,9 @@ const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_o
 
 /// The hull of points at a pose.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct PosedPoints<'p> {
-    pub(super) points: &'p [Point],
-    pub(super) pose: Pose,
+pub(in crate::primitive::shape) struct PosedPoints<'p> {
+    pub(in crate::primitive::shape) points: &'p [Point],
+    pub(in crate::primitive::shape) pose: Pose,
 }
 
 impl PosedPoints<'_> {
@@ -63,7 +66,7 @@ impl PosedPoints<'_> {
 
 /// One of the two bodies, without its radius.
 #[derive(Copy, Clone, Debug)]
-pub(super) enum Body<'p> {
+pub(in crate::primitive::shape) enum Body<'p> {
     Shape(Shape),
     Points(PosedPoints<'p>),
 }
@@ -87,14 +90,14 @@ struct Hulls<'p> {
 
 /// Bounds of the distance of two bodies without their radii, or of the depth, which is negative then.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct CoreBounds {
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+pub(in crate::primitive::shape) struct CoreBounds {
+    pub(in crate::primitive::shape) lower: f64,
+    pub(in crate::primitive::shape) upper: f64,
     /// Of unit length: the direction in which A leaves B.
-    pub(super) normal: Point,
+    pub(in crate::primitive::shape) normal: Point,
     /// The closest points, or those that touch last when A leaves B along the normal, before that.
-    pub(super) a: Point,
-    pub(super) b: Point,
+    pub(in crate::primitive::shape) a: Point,
+    pub(in crate::primitive::shape) b: Point,
 }
 
 /// Where a search for the closest points has ended.
@@ -272,7 +275,7 @@ impl Approach {
 
 /// Bounds of two bodies without their radii, one of them points; neither is a half-space. `None` if the points are
 /// none.
-pub(super) fn bounds(a: &Body<'_>, b: &Body<'_>, tolerance: f64) -> Option<CoreBounds> {
+pub(in crate::primitive::shape) fn bounds(a: &Body<'_>, b: &Body<'_>, tolerance: f64) -> Option<CoreBounds> {
     let is_empty = |body: &Body<'_>| matches!(body, Body::Points(points) if points.points.is_empty());
     if is_empty(a) || is_empty(b) {
         return None;
@@ -312,7 +315,7 @@ pub(super) fn bounds(a: &Body<'_>, b: &Body<'_>, tolerance: f64) -> Option<CoreB
 }
 
 /// Bounds of points and a half-space, the points as A.
-pub(super) fn above(points: &PosedPoints<'_>, half_space: &Shape) -> Option<CoreBounds> {
+pub(in crate::primitive::shape) fn above(points: &PosedPoints<'_>, half_space: &Shape) -> Option<CoreBounds> {
     let Core::HalfSpace { normal, offset } = *half_space.core() else { return None };
     if points.points.is_empty() {
         return None;

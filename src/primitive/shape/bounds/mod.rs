@@ -11,18 +11,16 @@ mod depth;
 mod gjk;
 mod goal;
 mod half_space;
-mod hulls;
+pub(super) mod hulls;
 mod newton;
 mod place;
 mod polytope;
 mod search;
-mod signed;
 mod support;
 
 pub(super) use certified::Certified;
 pub use certified::Depth;
 pub use depth::depth;
-pub use signed::{Convex, SignedSeparation, signed_separation};
 
 use super::convex::Shape;
 

@@ -1,11 +1,10 @@
 //! Hulls of points against polytopes with 100 bits, and against the shapes that they equal.
 
-use super::super::search::tests::double::{Double, ZERO, exact};
+use super::super::search::tests::double::{self, Double, ZERO, exact};
 use super::super::search::tests::samples::Sampled;
 use super::super::search::tests::truth;
-use super::{Convex, SignedSeparation, signed_separation};
 use crate::pose::Pose;
-use crate::primitive::shape::{Core, Shape};
+use crate::primitive::shape::{Convex, Core, Shape, SignedSeparation, signed_separation};
 use crate::range::Point;
 use crate::rng::Rng;
 use crate::vector::{difference, dot, length};
@@ -119,7 +118,7 @@ fn points_beside_a_half_space_are_as_high_as_the_lowest() {
         let heights = points.iter().map(|p| {
             let p = exact(p);
             ((p[0] * n[0] + p[1] * n[1]) + p[2] * n[2] - Double::from(offset))
-                / super::super::search::tests::double::length(&n)
+                / double::length(&n)
         });
         let truth = heights.fold(Double::from(f64::INFINITY), Double::least);
         let hull = Convex::Hull { points: &points, pose: Pose::IDENTITY };

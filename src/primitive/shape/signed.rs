@@ -1,16 +1,14 @@
 //! The signed separation of two convex sets: shapes and hulls of points.
 
-use super::hulls::{self, Body, CoreBounds, PosedPoints};
+use super::bounds::depth;
+use super::bounds::hulls::{self, Body, CoreBounds, PosedPoints};
+use super::convex::Shape;
+use super::core::Core;
+use super::pair::separation;
 use crate::exact::power_of_two;
 use crate::pose::Pose;
-use crate::primitive::shape::convex::Shape;
-use crate::primitive::shape::core::Core;
-use crate::primitive::shape::pair::separation;
 use crate::range::Point;
 use crate::vector::{difference, unit};
-
-#[cfg(test)]
-mod tests;
 
 /// A convex set: a shape, or the hull of points, such as the corners of a `construct::ConvexHull`.
 #[derive(Copy, Clone, Debug)]
@@ -48,7 +46,7 @@ const TIGHT: f64 = power_of_two(-42);
 /// Bounds of the signed separation of two convex sets in one frame: their distance, or minus their depth.
 ///
 /// The bounds differ by at most `tolerance` times the greater of them, or by rounding, about 2^-45 of the coordinates.
-/// Of round shapes that meet they may be wider: the search ends with 128 faces for two shapes ([`super::depth`]), and
+/// Of round shapes that meet they may be wider: the search ends with 128 faces for two shapes ([`depth`]), and
 /// with 512 for hulls. A point in many corners costs time only in proportion to their number: 2^-42 of a distance
 /// takes some 20 looks at all points, a depth as many as 256.
 ///
@@ -128,7 +126,7 @@ fn of_shapes(a: &Shape, b: &Shape, tolerance: f64) -> SignedSeparation {
         let normal = unit(&difference(&near.a, &near.b)).unwrap_or_default();
         return SignedSeparation { lower: near.lower, upper: near.upper, normal, a: near.a, b: near.b };
     }
-    let found = super::depth(a, b, tolerance);
+    let found = depth(a, b, tolerance);
     let (lower, upper, normal) = (-found.upper, -found.lower, found.direction);
     let out = normal.map(|x| x * found.upper);
     let touching = if out.iter().all(|x| x.is_finite()) {
