@@ -410,8 +410,11 @@ impl<'t, N: Lanes> Scene<'t, N> {
         // Largest difference between a distance in the frame of b and the same distance in the world.
         let off = |x: f64| asked.padded(x) - x;
         let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);
-        let upper =
-            if answer.upper == 0.0 { 0.0 } else { (answer.upper + off(answer.upper) - asked.radii).max(0.0) };
+        let upper = match answer.upper {
+            // Of bodies beyond the cutoff, and of those that meet.
+            f64::INFINITY | 0.0 => answer.upper,
+            upper => (upper + off(upper) - asked.radii).max(0.0),
+        };
         Ok((lower, upper, answer))
     }
 }

@@ -131,7 +131,7 @@ def contacts(found: Contacts | Iterable[Patch], *, ax: Any | None = None, color:
         normals = np.concatenate([np.zeros((0, 3)), *rows])
     if len(points) > 0:
         reach = 0.3 * max(float(np.ptp(points, axis=0).max()), 1e-12)
-        ax.scatter(*points.T, color=color, depthshade=False)
+        ax.scatter(*points.T, color=color, s=40, depthshade=False)
         ax.quiver(*points.T, *normals.T, length=reach, color=color)
         _fit(ax, np.concatenate([points, points + reach * normals]))
     return ax

@@ -116,7 +116,7 @@ pub(crate) fn half_space_depth(
     if found.completion != Completion::Complete {
         return unknown(found.stats);
     }
-    let slack = 16.0 * slack(body.max_coordinate + offset.abs() + half_space.radius() + far, &step);
+    let slack = 2.0 * slack(body.max_coordinate + offset.abs() + half_space.radius() + far, &step);
     let (lower, upper) = ((far - found.upper) + margin - slack, (far - found.lower) + margin + slack);
     let (lower, upper) = (f64::max(lower, 0.0), f64::max(upper, 0.0));
     let (translation, stats) = (out.map(|x| x * upper), found.stats);

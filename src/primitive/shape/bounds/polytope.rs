@@ -53,7 +53,7 @@ struct GrownPolytope<const CORNERS: usize, const FACES: usize> {
 }
 
 /// A lower bound of the depth, an upper one, and the direction in which it separates A from B. Starts from the support
-/// points along the axes, or from the corners of a tetrahedron in A - B that contains the origin. `None` if neither
+/// points along the axes, or from the corners of a tetrahedron in A - B that contains the origin; `None` if neither
 /// does.
 #[cold]
 #[inline(never)]
@@ -62,54 +62,81 @@ pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
     corners: Option<[Point; 4]>,
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
-    let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
-    let mut polytope = GrownPolytope::<CORNERS, FACES> {
-        corners: [[0.0; 3]; CORNERS],
-        faces: [none; FACES],
-        corner_count: 6,
-        face_count: 0,
-    };
-    let slack = pair.slack();
-    for i in 0..6 {
-        let mut d = [0.0; 3];
-        d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
-        polytope.corners[i] = pair.support(&d);
+    let mut polytope = GrownPolytope::<CORNERS, FACES>::octahedron(pair);
+    if polytope.nearest().low <= pair.slack() {
+        polytope = GrownPolytope::tetrahedron(&corners?);
     }
-    for [i, j, k] in [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
-    {
-        polytope.add_face([i, j, k]);
+    Some(polytope.depth(pair, tolerance))
+}
+
+/// As [`depth`], but from the tetrahedron. It is convex, as the octahedron of a difference with few corners need not be,
+/// and stays so while it grows.
+#[cold]
+#[inline(never)]
+pub(super) fn depth_around<const CORNERS: usize, const FACES: usize>(
+    pair: &impl Difference,
+    corners: &[Point; 4],
+    tolerance: f64,
+) -> (f64, f64, Point) {
+    GrownPolytope::<CORNERS, FACES>::tetrahedron(corners).depth(pair, tolerance)
+}
+
+impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
+    fn empty(corner_count: usize) -> Self {
+        let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
+        Self { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count, face_count: 0 }
     }
-    if polytope.nearest().low <= slack {
-        let corners = corners?;
-        (polytope.corner_count, polytope.face_count) = (4, 0);
-        polytope.corners[..4].copy_from_slice(&corners);
+
+    /// Of the support points along the axes.
+    fn octahedron(pair: &impl Difference) -> Self {
+        let mut polytope = Self::empty(6);
+        for i in 0..6 {
+            let mut d = [0.0; 3];
+            d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
+            polytope.corners[i] = pair.support(&d);
+        }
+        for corners in
+            [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
+        {
+            polytope.add_face(corners);
+        }
+        polytope
+    }
+
+    fn tetrahedron(corners: &[Point; 4]) -> Self {
+        let mut polytope = Self::empty(4);
+        polytope.corners[..4].copy_from_slice(corners);
+        // About the origin.
         let volume = dot(&corners[1], &cross(&corners[2], &corners[3]));
         for [i, j, k] in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
             polytope.add_face(if volume > 0.0 { [i, j, k] } else { [i, k, j] });
         }
+        polytope
     }
-    let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
-    loop {
-        let nearest = polytope.nearest();
-        // Otherwise all products of corners and normals are certainly positive.
-        if nearest.low <= slack {
-            break;
-        }
-        lower = lower.max(nearest.low);
-        let d = each(|k| -nearest.normal[k]);
-        let corner = pair.support(&d);
-        let height = -dot(&d, &corner);
-        if height < upper {
-            (upper, along) = (height, d);
-        }
-        if upper - lower <= (tolerance * upper).max(slack) || !polytope.grow(corner, slack) {
-            break;
-        }
-    }
-    Some((lower - slack, upper + slack, along))
-}
 
-impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
+    fn depth(mut self, pair: &impl Difference, tolerance: f64) -> (f64, f64, Point) {
+        let slack = pair.slack();
+        let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
+        loop {
+            let nearest = self.nearest();
+            // Otherwise all products of corners and normals are certainly positive.
+            if nearest.low <= slack {
+                break;
+            }
+            lower = lower.max(nearest.low);
+            let d = each(|k| -nearest.normal[k]);
+            let corner = pair.support(&d);
+            let height = -dot(&d, &corner);
+            if height < upper {
+                (upper, along) = (height, d);
+            }
+            if upper - lower <= (tolerance * upper).max(slack) || !self.grow(corner, slack) {
+                break;
+            }
+        }
+        (lower - slack, upper + slack, along)
+    }
+
     fn nearest(&self) -> GrownFace {
         let mut best = self.faces[0];
         for face in &self.faces[1..self.face_count] {
