@@ -125,6 +125,27 @@ def test_gradients_are_those_of_differences(rng: np.random.Generator) -> None:
     assert smooth > 0.95 * total
 
 
+FIGURES = np.array([
+    [0x3FDFFFFFFFFFF026, 0x3FE0000000004735, 0xBFE0000000004735, 0xBFDFFFFFFFFFF026, 0x3FF0000000000000,
+     0x0000000000000000, 0x0000000000000000, 0x8000000000000000, 0x3FD8000000000000, 0x3FD0000000000000],
+    [0x3FE3FFFFFFFFF816, 0x3FE4000000004245, 0xBFE4000000004245, 0xBFE3FFFFFFFFF816, 0x0000000000000000,
+     0x0000000000000000, 0x3FF0000000000000, 0xBFD4CCCCCCCCCCCC, 0xBFE7333333333334, 0x0000000000000000],
+    [0x0000000000000000, 0x0000000000000000, 0x3FEB211B1C70C9AA, 0x3FEB211B1C70D072, 0x3FEC4F1128CEC2ED,
+     0x3FDC4F1128CEC2ED, 0xBFC2DF60C5DF2C9E, 0x3FB2DF60C5DF2C9E, 0xBFCC4F1128CEC2ED, 0xBFCC4F1128CEC2EC],
+], np.uint64)  # fmt: skip
+"""Bounds of depths and signed distances, and derivatives, as bits: those of tests/contact_depth/scenes.rs."""
+
+
+def test_figures_are_those_of_rust_bit_for_bit() -> None:
+    a, b = Body(*box(), solid=True), Body(*box(1.5, 1.25, 0.75), solid=True)
+    turned = at(0.625, 0.375, 0.25)
+    turned[:2, :2] = [[0.6, -0.8], [0.8, 0.6]]
+    for pose, bits in zip((at(0.75, 0.25, 0.125), turned, at(2.0, 1.5, -1.0)), FIGURES, strict=True):
+        depth, signed = a.depth(b, pose), a.signed_distance(b, pose)
+        found = np.array([depth.lower, depth.upper, signed.lower, signed.upper, *signed.gradient])
+        assert found.view(np.uint64).tolist() == bits.tolist()
+
+
 def test_no_shorter_translation_of_meshes_is_free(rng: np.random.Generator) -> None:
     a, b = Body(*ball(2, 0.05), solid=True), Body(*box(1.5, 1.0, 1.0), solid=True)
     for pose in poses(rng, 12, 0.8):

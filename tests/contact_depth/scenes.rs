@@ -6,7 +6,7 @@ use crate::support::rng::Rng;
 use crate::support::turns::pose;
 use crate::{grid_box, solid};
 use simdop::cloud::PointCloud;
-use simdop::construct::{Builder, SphereSet};
+use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
@@ -204,4 +204,78 @@ fn a_signed_clearance_never_allocates() {
     let query = query();
     let found = without_heap("a signed clearance", || scene.signed_clearance(&query, 0.0, 1.0).unwrap());
     assert!(found.lower < 0.0);
+}
+
+/// Bounds of the depth and of the signed distance, and its derivative, as bits: those that Python has
+/// (`python/tests/test_depth.py`).
+const FIGURES: [[u64; 10]; 3] = [
+    [
+        0x3fdffffffffff026,
+        0x3fe0000000004735,
+        0xbfe0000000004735,
+        0xbfdffffffffff026,
+        0x3ff0000000000000,
+        0x0000000000000000,
+        0x0000000000000000,
+        0x8000000000000000,
+        0x3fd8000000000000,
+        0x3fd0000000000000,
+    ],
+    [
+        0x3fe3fffffffff816,
+        0x3fe4000000004245,
+        0xbfe4000000004245,
+        0xbfe3fffffffff816,
+        0x0000000000000000,
+        0x0000000000000000,
+        0x3ff0000000000000,
+        0xbfd4cccccccccccc,
+        0xbfe7333333333334,
+        0x0000000000000000,
+    ],
+    [
+        0x0000000000000000,
+        0x0000000000000000,
+        0x3feb211b1c70c9aa,
+        0x3feb211b1c70d072,
+        0x3fec4f1128cec2ed,
+        0x3fdc4f1128cec2ed,
+        0xbfc2df60c5df2c9e,
+        0x3fb2df60c5df2c9e,
+        0xbfcc4f1128cec2ed,
+        0xbfcc4f1128cec2ec,
+    ],
+];
+
+#[test]
+fn figures_are_those_of_python() {
+    let half = |half: [f64; 3]| {
+        let corner = |i: u32| core::array::from_fn(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
+        let vertices: Vec<[f64; 3]> = (0..8).map(corner).collect();
+        let triangles = [
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ];
+        Builder::best().solid().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+    };
+    let (a, b) = (half([0.5; 3]), half([0.75, 0.625, 0.375]));
+    let turned =
+        Pose::from_rows([[0.6, -0.8, 0.0, 0.625], [0.8, 0.6, 0.0, 0.375], [0.0, 0.0, 1.0, 0.25]]).unwrap();
+    for (placed, bits) in [at(0.75, 0.25, 0.125), turned, at(2.0, 1.5, -1.0)].iter().zip(FIGURES) {
+        let depth = query().depth(&a, &b, placed, None);
+        let signed = query().signed_distance(&a, &b, placed, 0.0, None).unwrap();
+        let [p, q, r, s, t, u] = signed.gradient;
+        let found = [depth.lower, depth.upper, signed.lower, signed.upper, p, q, r, s, t, u];
+        assert_eq!(found.map(f64::to_bits), bits, "{found:?}");
+    }
 }

@@ -117,8 +117,7 @@ fn points_beside_a_half_space_are_as_high_as_the_lowest() {
         let n = exact(&normal);
         let heights = points.iter().map(|p| {
             let p = exact(p);
-            ((p[0] * n[0] + p[1] * n[1]) + p[2] * n[2] - Double::from(offset))
-                / double::length(&n)
+            ((p[0] * n[0] + p[1] * n[1]) + p[2] * n[2] - Double::from(offset)) / double::length(&n)
         });
         let truth = heights.fold(Double::from(f64::INFINITY), Double::least);
         let hull = Convex::Hull { points: &points, pose: Pose::IDENTITY };
