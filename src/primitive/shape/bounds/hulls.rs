@@ -214,8 +214,11 @@ impl<'p> Hulls<'p> {
     /// What is certain of two bodies that are not certainly apart, and the direction out.
     fn depth(&self, found: &mut Approach, tolerance: f64) -> (f64, f64) {
         let lower = -found.upper;
-        if let Some((below, above, along)) = polytope::depth::<CORNERS, FACES>(self, found.around, tolerance)
-        {
+        let grown = match &found.around {
+            Some(corners) => Some(polytope::depth_around::<CORNERS, FACES>(self, corners, tolerance)),
+            None => polytope::depth::<CORNERS, FACES>(self, None, tolerance),
+        };
+        if let Some((below, above, along)) = grown {
             found.raise(self, &along);
             return (lower.max(below), above.min(-found.lower));
         }
