@@ -195,8 +195,8 @@ impl PyBody {
         })
     }
 
-    /// Where this mesh, placed by ``pose`` in the frame of another, touches it: a list of patches, the one with the most
-    /// pairs of triangles first; for n poses, (n, 4, 4), a list of n lists, found on ``threads`` threads.
+    /// Where this mesh, placed by ``pose`` in the frame of another, touches it: a list of patches, the one with the
+    /// most pairs of triangles first; for n poses, (n, 4, 4), a list of n lists, found on ``threads`` threads.
     ///
     /// A patch has at most ``points`` points, which span it: of a box on a box, four are its corners. Triangles that
     /// face outwards are assumed.

@@ -122,7 +122,8 @@ impl PyDepth {
     }
 }
 
-/// The distance of two bodies, or minus their depth, at one pose or at each of n poses: it is in ``lower`` to ``upper``.
+/// The distance of two bodies, or minus their depth, at one pose or at each of n poses: it is in ``lower`` to
+/// ``upper``.
 ///
 /// Of one pose all attributes are numbers and arrays of the shape (3,) or (6,); of n poses there is one more dimension.
 #[pyclass(frozen, name = "SignedDistance", module = "simdop")]

@@ -106,8 +106,8 @@ fn triangulated(geometry: &Geometry, segments: usize) -> PyResult<(Vec<Point>, V
 
 #[pymethods]
 impl PyBody {
-    /// Triangles for pictures: vertices (n, 3) and indices (m, 3). Round shapes become polyhedra of ``segments`` corners
-    /// around, which are on the shape. A half-space and a cloud have none.
+    /// Triangles for pictures: vertices (n, 3) and indices (m, 3). Round shapes become polyhedra of ``segments``
+    /// corners around, which are on the shape. A half-space and a cloud have none.
     #[pyo3(signature = (segments = 24))]
     fn mesh<'py>(&self, py: Python<'py>, segments: usize) -> PyResult<Triangulated<'py>> {
         let segments = segments.clamp(3, 1024);

@@ -298,8 +298,8 @@ impl PyPlanningScene {
         Ok(array(py, free))
     }
 
-    /// A path of straight motions from ``start``, (n,), to ``goal``, which are free at all times: (m, n) configurations,
-    /// or None if none was found.
+    /// A path of straight motions from ``start``, (n,), to ``goal``, which are free at all times: (m, n)
+    /// configurations, or None if none was found.
     ///
     /// ``step`` is the longest motion by which the search grows, in the joints; it ends after ``configurations`` random
     /// ones. Then ``shortcuts`` straight motions are tried. The same ``seed`` gives the same path on every machine.

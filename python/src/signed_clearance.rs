@@ -84,9 +84,9 @@ const fn value(found: &SceneSignedDistance) -> f64 {
 
 #[pymethods]
 impl PyScene {
-    /// The least signed distance of any two tested bodies, up to ``cutoff``: their distance, or minus the depth of those
-    /// that are deepest in each other. ``tolerance`` is that of ``Body.distance``, ``budget`` that of ``Body.depth``, for
-    /// all pairs together.
+    /// The least signed distance of any two tested bodies, up to ``cutoff``: their distance, or minus the depth of
+    /// those that are deepest in each other. ``tolerance`` is that of ``Body.distance``, ``budget`` that of
+    /// ``Body.depth``, for all pairs together.
     #[pyo3(signature = (*, tolerance = 0.0, cutoff = f64::INFINITY, budget = None))]
     fn signed_clearance(
         &self,
@@ -111,8 +111,8 @@ type Placed<'py> = (String, PyBody, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]
 impl PyPlanningScene {
-    /// The least signed distance of any two tested bodies at a configuration, (n,), up to ``cutoff``, with its gradient:
-    /// their distance, or minus the depth of those that are deepest in each other. ``tolerance`` is that of
+    /// The least signed distance of any two tested bodies at a configuration, (n,), up to ``cutoff``, with its
+    /// gradient: their distance, or minus the depth of those that are deepest in each other. ``tolerance`` is that of
     /// ``Body.distance``.
     ///
     /// Raises ``PlanningError``, ``ArrayError`` or ``TypeError``.
@@ -135,7 +135,8 @@ impl PyPlanningScene {
         })
     }
 
-    /// ``signed_clearance`` of m configurations, (m, n), for an optimiser: the values, (m,), and their gradients, (m, n).
+    /// ``signed_clearance`` of m configurations, (m, n), for an optimiser: the values, (m,), and their gradients,
+    /// (m, n).
     ///
     /// A value is the upper bound of a distance, or the lower one where bodies meet, and the cutoff where no two are
     /// nearer. Computed on ``threads`` threads, 0 for one per core.

@@ -152,8 +152,8 @@ impl<N: Lanes> BodyTree<'_, N> {
         ))
     }
 
-    /// How far does this body, placed by `pose` in the frame of another, have to be translated at least until it is apart
-    /// from it or touches it? As [`Query::depth`], for bodies of any kind, with the bounds of
+    /// How far does this body, placed by `pose` in the frame of another, have to be translated at least until it is
+    /// apart from it or touches it? As [`Query::depth`], for bodies of any kind, with the bounds of
     /// [`BodyTree::signed_distance`].
     ///
     /// # Errors

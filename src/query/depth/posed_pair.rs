@@ -23,8 +23,8 @@ pub(super) trait PosedPair {
     /// Whether the bodies are free, by the exact query.
     fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget>;
 
-    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A. `None` if the bodies
-    /// meet.
+    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A. `None` if the
+    /// bodies meet.
     fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget>;
 
     /// How far a translation along any direction is enough: the balls around the bodies are then apart.

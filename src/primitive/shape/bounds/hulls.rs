@@ -211,12 +211,28 @@ impl<'p> Hulls<'p> {
         found
     }
 
+    /// Corners of A - B in pairs, of which each is farthest across those before. Of a difference that equals its reflection
+    /// at the origin, which no tetrahedron of corners may have inside, the octahedron of these is convex about it.
+    fn octahedron(&self) -> [Point; 6] {
+        let along = |d: &Point| self.support(&each(|k| -d[k]));
+        let first = STARTS[0];
+        let p = along(&first);
+        let least = (0..3).fold(0, |least, k| if p[k].abs() < p[least].abs() { k } else { least });
+        let mut axis = [0.0; 3];
+        axis[least] = 1.0;
+        let second = cross(&p, &axis);
+        let q = along(&second);
+        let third = cross(&p, &q);
+        let against = |d: &Point| self.support(d);
+        [p, against(&first), q, against(&second), along(&third), against(&third)]
+    }
+
     /// What is certain of two bodies that are not certainly apart, and the direction out.
     fn depth(&self, found: &mut Approach, tolerance: f64) -> (f64, f64) {
         let lower = -found.upper;
         let grown = match &found.around {
             Some(corners) => Some(polytope::depth_around::<CORNERS, FACES>(self, corners, tolerance)),
-            None => polytope::depth::<CORNERS, FACES>(self, None, tolerance),
+            None => polytope::depth_of_octahedron::<CORNERS, FACES>(self, &self.octahedron(), tolerance),
         };
         if let Some((below, above, along)) = grown {
             found.raise(self, &along);

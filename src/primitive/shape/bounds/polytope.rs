@@ -62,15 +62,34 @@ pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
     corners: Option<[Point; 4]>,
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
-    let mut polytope = GrownPolytope::<CORNERS, FACES>::octahedron(pair);
+    let mut octahedron = [[0.0; 3]; 6];
+    for (i, corner) in octahedron.iter_mut().enumerate() {
+        let mut d = [0.0; 3];
+        d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
+        *corner = pair.support(&d);
+    }
+    let mut polytope = GrownPolytope::<CORNERS, FACES>::octahedron(&octahedron);
     if polytope.nearest().low <= pair.slack() {
         polytope = GrownPolytope::tetrahedron(&corners?);
     }
     Some(polytope.depth(pair, tolerance))
 }
 
-/// As [`depth`], but from the tetrahedron. It is convex, as the octahedron of a difference with few corners need not be,
-/// and stays so while it grows.
+/// As [`depth`], from the corners of an octahedron in A - B, opposite ones beside each other, of which the first, third
+/// and fifth are a right-handed frame. `None` if it does not contain the origin.
+#[cold]
+#[inline(never)]
+pub(super) fn depth_of_octahedron<const CORNERS: usize, const FACES: usize>(
+    pair: &impl Difference,
+    corners: &[Point; 6],
+    tolerance: f64,
+) -> Option<(f64, f64, Point)> {
+    let polytope = GrownPolytope::<CORNERS, FACES>::octahedron(corners);
+    (polytope.nearest().low > pair.slack()).then(|| polytope.depth(pair, tolerance))
+}
+
+/// As [`depth`], but from the tetrahedron. It is convex, as the octahedron of a difference with few corners need not
+/// be, and stays so while it grows.
 #[cold]
 #[inline(never)]
 pub(super) fn depth_around<const CORNERS: usize, const FACES: usize>(
@@ -87,14 +106,9 @@ impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
         Self { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count, face_count: 0 }
     }
 
-    /// Of the support points along the axes.
-    fn octahedron(pair: &impl Difference) -> Self {
+    fn octahedron(corners: &[Point; 6]) -> Self {
         let mut polytope = Self::empty(6);
-        for i in 0..6 {
-            let mut d = [0.0; 3];
-            d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
-            polytope.corners[i] = pair.support(&d);
-        }
+        polytope.corners[..6].copy_from_slice(corners);
         for corners in
             [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
         {
