@@ -1,7 +1,7 @@
 //! The signed separation of two convex sets: shapes and hulls of points.
 
 use super::bounds::depth;
-use super::bounds::hulls::{self, Body, CoreBounds, PosedPoints};
+use super::bounds::hulls::{self, ConvexBody, CoreBounds, PosedPoints};
 use super::convex::Shape;
 use super::core::Core;
 use super::pair::separation;
@@ -73,17 +73,16 @@ pub fn signed_separation(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> Sign
     let ((body_a, radius_a), (body_b, radius_b)) = (side(a), side(b));
     let is_half_space = |shape: &Shape| matches!(shape.core(), Core::HalfSpace { .. });
     let found = match (&body_a, &body_b) {
-        (Body::Shape(a), Body::Shape(b)) => return of_shapes(a, b, tolerance),
-        (Body::Points(points), Body::Shape(b)) if is_half_space(b) => hulls::above(points, b),
-        (Body::Shape(a), Body::Points(points)) if is_half_space(a) => {
-            hulls::above(points, a).map(|CoreBounds { lower, upper, normal, a, b }| CoreBounds {
+        (ConvexBody::Shape(a), ConvexBody::Shape(b)) => return of_shapes(a, b, tolerance),
+        (ConvexBody::Points(points), ConvexBody::Shape(b)) if is_half_space(b) => hulls::above(points, b),
+        (ConvexBody::Shape(a), ConvexBody::Points(points)) if is_half_space(a) => hulls::above(points, a)
+            .map(|CoreBounds { lower, upper, normal, a, b }| CoreBounds {
                 lower,
                 upper,
                 normal: normal.map(|x| -x),
                 a: b,
                 b: a,
-            })
-        }
+            }),
         _ => hulls::bounds(&body_a, &body_b, tolerance),
     };
     let Some(CoreBounds { lower, upper, normal, a, b }) = found else {
@@ -102,10 +101,10 @@ pub fn signed_separation(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> Sign
 }
 
 /// Without its radius, and the radius.
-fn side<'p>(set: &Convex<'p>) -> (Body<'p>, f64) {
+fn side<'p>(set: &Convex<'p>) -> (ConvexBody<'p>, f64) {
     match *set {
-        Convex::Shape(shape) => (Body::Shape(shape), shape.radius()),
-        Convex::Hull { points, pose } => (Body::Points(PosedPoints { points, pose }), 0.0),
+        Convex::Shape(shape) => (ConvexBody::Shape(shape), shape.radius()),
+        Convex::Hull { points, pose } => (ConvexBody::Points(PosedPoints { points, pose }), 0.0),
     }
 }
 

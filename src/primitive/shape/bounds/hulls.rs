@@ -11,7 +11,7 @@
 //! sum of both bodies' errors, the difference, the product with d and its quotient.
 
 use super::gjk::Simplex;
-use super::polytope::{self, Difference};
+use super::polytope::{self, ConvexDifference};
 use super::search::unit_scale;
 use super::support::{Operand, each};
 use crate::exact::power_of_two;
@@ -34,6 +34,8 @@ const FACES: usize = 512;
 /// Directions from which a tetrahedron about the origin is looked for.
 const STARTS: [Point; 5] =
     [[0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47], [0.1, 0.2, -0.97]];
+/// How far directions are turned, relatively.
+const ASIDE: f64 = power_of_two(-20);
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
 
 /// The hull of points at a pose.
@@ -66,13 +68,13 @@ impl PosedPoints<'_> {
 
 /// One of the two bodies, without its radius.
 #[derive(Copy, Clone, Debug)]
-pub(in crate::primitive::shape) enum Body<'p> {
+pub(in crate::primitive::shape) enum ConvexBody<'p> {
     Shape(Shape),
     Points(PosedPoints<'p>),
 }
 
 #[derive(Copy, Clone, Debug)]
-enum Side<'p> {
+enum PosedConvex<'p> {
     Core(Operand),
     Points(PosedPoints<'p>),
 }
@@ -80,8 +82,8 @@ enum Side<'p> {
 /// Two bodies in one frame, and a translation of the first. All lengths are multiplied by a power of two.
 #[derive(Copy, Clone, Debug)]
 struct Hulls<'p> {
-    a: Side<'p>,
-    b: Side<'p>,
+    a: PosedConvex<'p>,
+    b: PosedConvex<'p>,
     shift: Point,
     scale: f64,
     size: f64,
@@ -112,12 +114,12 @@ struct Approach {
     around: Option<[Point; 4]>,
 }
 
-impl<'p> Side<'p> {
+impl<'p> PosedConvex<'p> {
     /// `None` for a half-space.
-    fn of(body: &Body<'p>, scale: f64) -> Option<Self> {
+    fn of(body: &ConvexBody<'p>, scale: f64) -> Option<Self> {
         Some(match body {
-            Body::Shape(shape) => Self::Core(Operand::of(shape.core(), scale)?),
-            Body::Points(points) => Self::Points(*points),
+            ConvexBody::Shape(shape) => Self::Core(Operand::of(shape.core(), scale)?),
+            ConvexBody::Points(points) => Self::Points(*points),
         })
     }
 
@@ -140,8 +142,8 @@ impl<'p> Side<'p> {
 }
 
 impl<'p> Hulls<'p> {
-    fn of(a: &Body<'p>, b: &Body<'p>, scale: f64) -> Option<Self> {
-        let (a, b) = (Side::of(a, scale)?, Side::of(b, scale)?);
+    fn of(a: &ConvexBody<'p>, b: &ConvexBody<'p>, scale: f64) -> Option<Self> {
+        let (a, b) = (PosedConvex::of(a, scale)?, PosedConvex::of(b, scale)?);
         let size = a.extent(scale) + b.extent(scale);
         let slack = ROUNDINGS * 0.5 * f64::EPSILON * size + 8.0 * MIN_COORDINATE * scale;
         Some(Self { a, b, shift: [0.0; 3], scale, size, slack })
@@ -215,15 +217,20 @@ impl<'p> Hulls<'p> {
     /// at the origin, which no tetrahedron of corners may have inside, the octahedron of these is convex about it.
     fn octahedron(&self) -> [Point; 6] {
         let along = |d: &Point| self.support(&each(|k| -d[k]));
+        let against = |d: &Point| self.support(d);
+        // Of several corners that are as far along a direction, the one opposite may not be the one found.
+        let aside = |d: &Point, by: &Point| {
+            let much = ASIDE * length(d);
+            each(|k| d[k] + much * by[k])
+        };
         let first = STARTS[0];
         let p = along(&first);
         let least = (0..3).fold(0, |least, k| if p[k].abs() < p[least].abs() { k } else { least });
         let mut axis = [0.0; 3];
         axis[least] = 1.0;
-        let second = cross(&p, &axis);
+        let second = aside(&cross(&p, &axis), &STARTS[1]);
         let q = along(&second);
-        let third = cross(&p, &q);
-        let against = |d: &Point| self.support(d);
+        let third = aside(&cross(&p, &q), &STARTS[2]);
         [p, against(&first), q, against(&second), along(&third), against(&third)]
     }
 
@@ -262,7 +269,7 @@ impl<'p> Hulls<'p> {
     }
 }
 
-impl Difference for Hulls<'_> {
+impl ConvexDifference for Hulls<'_> {
     fn support(&self, d: &Point) -> Point {
         self.points(d).0
     }
@@ -294,8 +301,13 @@ impl Approach {
 
 /// Bounds of two bodies without their radii, one of them points; neither is a half-space. `None` if the points are
 /// none.
-pub(in crate::primitive::shape) fn bounds(a: &Body<'_>, b: &Body<'_>, tolerance: f64) -> Option<CoreBounds> {
-    let is_empty = |body: &Body<'_>| matches!(body, Body::Points(points) if points.points.is_empty());
+pub(in crate::primitive::shape) fn bounds(
+    a: &ConvexBody<'_>,
+    b: &ConvexBody<'_>,
+    tolerance: f64,
+) -> Option<CoreBounds> {
+    let is_empty =
+        |body: &ConvexBody<'_>| matches!(body, ConvexBody::Points(points) if points.points.is_empty());
     if is_empty(a) || is_empty(b) {
         return None;
     }

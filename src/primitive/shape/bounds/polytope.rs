@@ -14,7 +14,7 @@ use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 /// The difference A - B of two convex sets.
-pub(super) trait Difference {
+pub(super) trait ConvexDifference {
     /// The point of A - B that is farthest against d.
     fn support(&self, d: &Point) -> Point;
 
@@ -22,7 +22,7 @@ pub(super) trait Difference {
     fn slack(&self) -> f64;
 }
 
-impl Difference for Operands {
+impl ConvexDifference for Operands {
     #[inline(always)]
     fn support(&self, d: &Point) -> Point {
         self.support(d).0
@@ -58,7 +58,7 @@ struct GrownPolytope<const CORNERS: usize, const FACES: usize> {
 #[cold]
 #[inline(never)]
 pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
-    pair: &impl Difference,
+    pair: &impl ConvexDifference,
     corners: Option<[Point; 4]>,
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
@@ -80,7 +80,7 @@ pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
 #[cold]
 #[inline(never)]
 pub(super) fn depth_of_octahedron<const CORNERS: usize, const FACES: usize>(
-    pair: &impl Difference,
+    pair: &impl ConvexDifference,
     corners: &[Point; 6],
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
@@ -93,7 +93,7 @@ pub(super) fn depth_of_octahedron<const CORNERS: usize, const FACES: usize>(
 #[cold]
 #[inline(never)]
 pub(super) fn depth_around<const CORNERS: usize, const FACES: usize>(
-    pair: &impl Difference,
+    pair: &impl ConvexDifference,
     corners: &[Point; 4],
     tolerance: f64,
 ) -> (f64, f64, Point) {
@@ -128,7 +128,7 @@ impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
         polytope
     }
 
-    fn depth(mut self, pair: &impl Difference, tolerance: f64) -> (f64, f64, Point) {
+    fn depth(mut self, pair: &impl ConvexDifference, tolerance: f64) -> (f64, f64, Point) {
         let slack = pair.slack();
         let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
         loop {
