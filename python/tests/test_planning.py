@@ -177,4 +177,6 @@ def test_signed_clearances_are_depths_of_links(files: tuple[Path, Path], rng: np
         planning.signed_clearance([0.0])
     names = [name for name, _, _ in planning.placed([0.0, 0.0])]
     assert names == ["upper", "lower", "post"]
-    assert planning.placed([np.pi / 2, 0.0])[1][2] == pytest.approx(link_poses(np.array([np.pi / 2, 0.0]))[1])
+    # The box is half a length ahead of its link.
+    upright = link_poses(np.array([np.pi / 2, 0.0]))[1] @ at(0.5)
+    assert planning.placed([np.pi / 2, 0.0])[1][2] == pytest.approx(upright, abs=1e-12)

@@ -15,7 +15,7 @@ fn gradients_are_those_of_differences() {
         ("post", Shape::capsule(0.1, 0.8).unwrap(), at(0.4, 0.1, 0.5)),
         ("shelf", Shape::cuboid([0.5, 0.3, 0.1]).unwrap(), at(-0.3, 0.3, 0.7)),
         ("ball", Shape::sphere(0.2).unwrap(), at(0.1, -0.5, 0.8)),
-        ("floor", Shape::half_space([0.0, 0.0, 1.0], 0.2).unwrap(), at(0.0, 0.0, 0.0)),
+        ("floor", Shape::half_space([0.0, 0.0, 1.0], -0.05).unwrap(), at(0.0, 0.0, 0.0)),
     ] {
         let _ = scene.insert(name, Body::new(shape).fixed().with_radius(0.01), &place).unwrap();
     }
