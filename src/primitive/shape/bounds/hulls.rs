@@ -260,10 +260,13 @@ impl<'p> Hulls<'p> {
                 }
             }
         }
+        let [p, q, r, s, t, u] = self.octahedron();
+        let across = [difference(&p, &q), difference(&r, &s), difference(&t, &u)];
         for k in 0..3 {
             let mut axis = [0.0; 3];
             axis[k] = 1.0;
             found.raise_both(self, &axis);
+            found.raise_both(self, &cross(&across[k], &across[(k + 1) % 3]));
         }
         (lower, -found.lower)
     }
