@@ -1143,6 +1143,50 @@ typedef struct {
 } simdop_scene_clearance_answer;
 
 /**
+ * The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
+ */
+typedef struct {
+  /**
+   * Whether the search was not cut short by the budget. The bounds hold in any case.
+   */
+  simdop_completion completion;
+  /**
+   * Lower bound: the cutoff, if no two bodies are nearer. If some meet, minus the upper bound of their depth.
+   */
+  double lower;
+  /**
+   * Upper bound. Infinite if no two bodies nearer than the cutoff were found. If some meet, minus the lower bound of
+   * their depth, which is 0 if nothing is known of their insides.
+   */
+  double upper;
+  /**
+   * If `upper` is finite: the bodies that are deepest in each other, or the nearest ones, and their primitives.
+   */
+  simdop_scene_hit hit;
+  /**
+   * The point of `hit.a`'s primitive in the world: the nearest, or the one that touches `hit.b` last when `hit.a`
+   * leaves it along the normal. Ignores the body's radius. NaN if there is no hit.
+   */
+  double point_a[3];
+  /**
+   * The point of `hit.b`'s primitive.
+   */
+  double point_b[3];
+  /**
+   * The unit vector in the world along which `hit.a` leaves `hit.b`. Zeros if none is known.
+   */
+  double normal[3];
+  /**
+   * Pairs of bodies tested.
+   */
+  uint64_t pairs;
+  /**
+   * Query statistics, summed over these pairs.
+   */
+  simdop_query_stats stats;
+} simdop_scene_signed_answer;
+
+/**
  * The answer of simdop_collide() and simdop_within().
  */
 typedef struct {
@@ -2111,6 +2155,23 @@ simdop_error simdop_planner_clearance(const simdop_planner *planner,
                                       simdop_scene_clearance_answer *answer);
 #endif
 
+#if defined(SIMDOP_PLANNING)
+/**
+ * The least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(), and its derivative
+ * by each variable, which is written to `gradient`: of a distance, or where bodies meet, of `lower`.
+ *
+ * # Safety
+ * `values` and `gradient` have a number for each variable that is planned for.
+ */
+simdop_error simdop_planner_signed_clearance(const simdop_planner *planner,
+                                             simdop_workspace *workspace,
+                                             const double *values,
+                                             double tolerance,
+                                             double cutoff,
+                                             double *gradient,
+                                             simdop_scene_signed_answer *answer);
+#endif
+
 /**
  * The pose of a quaternion (x, y, z, w), whose squared length may differ from 1 by 1e-4, and a translation.
  *
@@ -2456,6 +2517,16 @@ simdop_error simdop_scene_clearance(const simdop_scene *scene,
                                     double cutoff,
                                     uint64_t budget,
                                     simdop_scene_clearance_answer *answer);
+
+/**
+ * What is the smallest signed distance between the bodies of any tested pair, up to `cutoff`: their distance, or minus
+ * the depth of those that are deepest in each other? Otherwise like simdop_scene_clearance().
+ */
+simdop_error simdop_scene_signed_clearance(const simdop_scene *scene,
+                                           double tolerance,
+                                           double cutoff,
+                                           uint64_t budget,
+                                           simdop_scene_signed_answer *answer);
 
 /**
  * Calls `on_hit` with `user` once for each tested pair of bodies that come within `margin`. Otherwise like

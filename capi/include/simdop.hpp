@@ -854,6 +854,15 @@ class scene {
         });
     }
 
+    /* The least distance, or minus the depth of the bodies that are deepest in each other. */
+    result<simdop_scene_signed_answer> signed_clearance(double tolerance = 0,
+                                                        double cutoff = std::numeric_limits<double>::infinity(),
+                                                        std::uint64_t budget = no_budget) const {
+        return detail::answer<simdop_scene_signed_answer>([&](simdop_scene_signed_answer *answer) {
+            return simdop_scene_signed_clearance(get(), tolerance, cutoff, budget, answer);
+        });
+    }
+
     /* Calls `visit(simdop_scene_hit)` with each two bodies within a margin. It returns nothing, or whether to go on. */
     template <class Visit>
     result<simdop_scene_hits> each_hit(double margin, Visit visit, std::uint64_t budget = no_budget) const {
@@ -1182,6 +1191,19 @@ class planner {
         }
         return detail::answer<simdop_scene_clearance_answer>([&](simdop_scene_clearance_answer *answer) {
             return simdop_planner_clearance(get(), workspace.get(), values.data(), tolerance, cutoff, answer);
+        });
+    }
+
+    /* As of a scene; `gradient` gets the derivative by each variable. */
+    result<simdop_scene_signed_answer> signed_clearance(
+        workspace &workspace, view<const double> values, view<double> gradient, double tolerance = 0,
+        double cutoff = std::numeric_limits<double>::infinity()) const {
+        if (values.size() != variables() || gradient.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<simdop_scene_signed_answer>([&](simdop_scene_signed_answer *answer) {
+            return simdop_planner_signed_clearance(get(), workspace.get(), values.data(), tolerance, cutoff,
+                                                   gradient.data(), answer);
         });
     }
 

@@ -62,8 +62,9 @@ pub use planner::{
     simdop_planner_check_states, simdop_planner_clearance, simdop_planner_copy, simdop_planner_destroy,
     simdop_planner_detach, simdop_planner_forbid_collision, simdop_planner_insert, simdop_planner_limits,
     simdop_planner_link, simdop_planner_load, simdop_planner_place, simdop_planner_place_base,
-    simdop_planner_remove, simdop_planner_select_group, simdop_planner_variables, simdop_planner_within,
-    simdop_workspace, simdop_workspace_create, simdop_workspace_destroy,
+    simdop_planner_remove, simdop_planner_select_group, simdop_planner_signed_clearance,
+    simdop_planner_variables, simdop_planner_within, simdop_workspace, simdop_workspace_create,
+    simdop_workspace_destroy,
 };
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{
@@ -92,7 +93,8 @@ pub use scene::{
     simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_forbid_collision,
     simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_insert_cloud,
     simdop_scene_is_asked, simdop_scene_place, simdop_scene_place_all, simdop_scene_remove,
-    simdop_scene_within, simdop_scene_world_pose, simdop_states_answer,
+    simdop_scene_signed_answer, simdop_scene_signed_clearance, simdop_scene_within, simdop_scene_world_pose,
+    simdop_states_answer,
 };
 pub use shape::{simdop_shape, simdop_shape_kind};
 pub use version::{SIMDOP_VERSION, simdop_version};

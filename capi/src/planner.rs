@@ -6,6 +6,7 @@ use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use crate::scene::{
     simdop_body_id, simdop_motion_answer, simdop_role, simdop_scene_answer, simdop_scene_clearance_answer,
+    simdop_scene_signed_answer,
 };
 use simdop::planning::{PlanningScene, RobotFiles, Workspace};
 use simdop::scene::BodyId;
@@ -376,5 +377,30 @@ pub unsafe extern "C" fn simdop_planner_clearance(
         // SAFETY: the caller guarantees the length.
         let values = unsafe { items(values, planner.variables(), "values") }?;
         Ok(planner.clearance(workspace, values, tolerance, cutoff)?.into())
+    })
+}
+
+/// The least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(), and its derivative
+/// by each variable, which is written to `gradient`: of a distance, or where bodies meet, of `lower`.
+///
+/// # Safety
+/// `values` and `gradient` have a number for each variable that is planned for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_planner_signed_clearance(
+    planner: Option<&simdop_planner>,
+    workspace: Option<&mut simdop_workspace>,
+    values: *const f64,
+    tolerance: f64,
+    cutoff: f64,
+    gradient: *mut f64,
+    answer: Option<&mut MaybeUninit<simdop_scene_signed_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let (planner, workspace) = both(planner, workspace)?;
+        // SAFETY: the caller guarantees the length.
+        let values = unsafe { items(values, planner.variables(), "values") }?;
+        // SAFETY: as above.
+        let gradient = filled(unsafe { places(gradient, planner.variables(), "gradient") }?, 0.0);
+        Ok(planner.signed_clearance(workspace, values, tolerance, cutoff, gradient)?.into())
     })
 }

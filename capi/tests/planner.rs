@@ -88,6 +88,16 @@ fn answers_are_the_librarys() {
         });
         let (near, expected) = (near.unwrap(), rust.clearance(&mut rust_workspace, from, 0.0, 9.0).unwrap());
         assert_eq!([near.lower, near.upper], [expected.lower, expected.upper]);
+        let (mut slopes, mut gradient) = (vec![7.0; from.len()], vec![0.0; from.len()]);
+        // SAFETY: as above.
+        let near = answer(|answer| unsafe {
+            let (values, slopes) = (from.as_ptr(), slopes.as_mut_ptr());
+            simdop_planner_signed_clearance(Some(&c), Some(&mut workspace), values, 0.0, 9.0, slopes, answer)
+        });
+        let expected = rust.signed_clearance(&mut rust_workspace, from, 0.0, 9.0, &mut gradient).unwrap();
+        let near = near.unwrap();
+        assert_eq!([near.lower, near.upper], [expected.lower, expected.upper]);
+        assert_eq!(slopes, gradient);
     }
     assert!(motions[0] > 0 && motions[1] > 0, "{motions:?}");
     simdop_workspace_destroy(Some(workspace));

@@ -81,6 +81,13 @@ fn compare<S: Storage>(
         let points = expected.witness.map(|witness| [witness.a, witness.b]);
         assert!(points.is_none_or(|points| points == [near.point_a, near.point_b]));
         assert_eq!((near.pairs, near.stats.visits), (expected.pairs, expected.stats.visits));
+        let near =
+            answer(|near| simdop_scene_signed_clearance(Some(c), tolerance, cutoff, budget, near)).unwrap();
+        let expected = rust.signed_clearance(&query, tolerance, cutoff).unwrap();
+        assert_eq!([near.lower, near.upper], [expected.lower, expected.upper]);
+        assert_hits(&near.hit, expected.witness.map(|witness| witness.hit));
+        let points = expected.witness.map(|witness| [witness.a, witness.b, witness.normal]);
+        assert!(points.is_none_or(|points| points == [near.point_a, near.point_b, near.normal]));
     }
 
     let mut expected = Vec::new();

@@ -1,9 +1,8 @@
-//! What distance, contact and penetration queries return.
+//! What distance and penetration queries return.
 
 use crate::arrays::{array, table};
-use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use simdop::query::{Distance, Pair, Penetration};
+use simdop::query::{Distance, Penetration};
 
 /// The distance of two bodies at one pose, or at each of n poses.
 ///
@@ -202,57 +201,5 @@ impl PyPenetration {
         }
         let most = self.found.iter().map(|found| found.volume).fold(0.0, f64::max);
         format!("Penetration(at {} poses, greatest volume {most})", self.found.len())
-    }
-}
-
-/// Pairs of primitives of two bodies that meet, each with a point, a normal and a depth.
-#[pyclass(frozen, name = "Contacts", module = "simdop")]
-#[derive(Debug, Default)]
-pub(crate) struct PyContacts {
-    pub(crate) pairs: Vec<Pair>,
-    pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) normals: Vec<[f64; 3]>,
-    pub(crate) depths: Vec<f64>,
-}
-
-#[pymethods]
-impl PyContacts {
-    /// Indices of A's primitives, (n,).
-    #[getter]
-    fn index_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        array(py, self.pairs.iter().map(|pair| pair.a).collect())
-    }
-
-    /// Indices of B's primitives, (n,).
-    #[getter]
-    fn index_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        array(py, self.pairs.iter().map(|pair| pair.b).collect())
-    }
-
-    /// A point of both primitives, up to 2^-26 of their size, in the frame of B, (n, 3).
-    #[getter]
-    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        table(py, self.points.clone())
-    }
-
-    /// The direction of the least translation of A's primitive that separates the two, in the frame of B, (n, 3).
-    #[getter]
-    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        table(py, self.normals.clone())
-    }
-
-    /// The length of that translation, (n,). This is of two primitives; the bodies may be deeper in each other.
-    #[getter]
-    fn depths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.depths.clone())
-    }
-
-    fn __len__(&self) -> usize {
-        self.pairs.len()
-    }
-
-    fn __repr__(&self) -> String {
-        let deepest = self.depths.iter().copied().fold(0.0, f64::max);
-        format!("Contacts({} pairs of primitives, at most {deepest} deep)", self.pairs.len())
     }
 }

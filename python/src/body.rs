@@ -1,6 +1,6 @@
 //! `simdop.Body`.
 
-use crate::answers::{PyContacts, PyDistance, PyPenetration};
+use crate::answers::{PyDistance, PyPenetration};
 use crate::arrays::{array, numbers, pose, poses, rows, single_rows, table, triangles, vector};
 use crate::batch::{Answers, each};
 use crate::error::{OrRaise, raise_as, raised};
@@ -14,8 +14,7 @@ use simdop::mesh_io;
 use simdop::packing::Packer;
 use simdop::primitive::Shape;
 use simdop::primitive::Sphere;
-use simdop::primitive::shape::{Core, depth, separation};
-use simdop::query::Pair;
+use simdop::primitive::shape::Core;
 use simdop::scene::BodyTree;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -186,6 +185,15 @@ impl PyBody {
         shaped(Shape::new(Core::Triangle(corners), 0.0).or_raise(), radius, at)
     }
 
+    /// The convex hull of points (n, 3): exact, and solid unless they are all in one plane.
+    ///
+    /// Pairs of hulls and shapes have a ``depth`` and a ``signed_distance`` that are known to rounding.
+    #[staticmethod]
+    fn hull(py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let points = rows(points, "points")?;
+        py.detach(|| Geometry::hull(&points)).map(Self::from)
+    }
+
     /// One body of several: shapes, spheres, or bodies of them. Half-spaces are refused.
     #[staticmethod]
     fn shapes(py: Python<'_>, bodies: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
@@ -258,6 +266,10 @@ impl PyBody {
                     }
                 }
             }
+            Geometry::Hull(_, corners) => {
+                let corners = table(py, corners.clone())?;
+                Ok((class.getattr("hull")?, PyTuple::new(py, [corners])?))
+            }
             tree => {
                 let bytes = PyBytes::new(py, &tree.bytes().unwrap_or_default());
                 Ok((class.getattr("from_bytes")?, PyTuple::new(py, [bytes])?))
@@ -281,7 +293,7 @@ impl PyBody {
         Ok(Geometry::Shape(Shape::new(core, radius).or_raise()?).into())
     }
 
-    /// "mesh", "spheres", "shapes" or "cloud"; or of one shape, "sphere", "capsule", "box", "cylinder", "cone",
+    /// "mesh", "hull", "spheres", "shapes" or "cloud"; or of one shape, "sphere", "capsule", "box", "cylinder", "cone",
     /// "triangle" or "half-space".
     #[getter]
     fn kind(&self) -> &'static str {
@@ -439,37 +451,6 @@ impl PyBody {
         Ok(match each(py, &poses, threads, |pose| pair::distance(&a, &b, pose, search))? {
             Answers::One(distance) => PyDistance::one(distance),
             Answers::Many(distances) => PyDistance::many(distances),
-        })
-    }
-
-    /// All pairs of primitives that meet, at most ``limit``, of this body at ``pose`` in the frame of ``other``.
-    ///
-    /// A body inside a solid that meets none of its triangles has no contact.
-    #[pyo3(signature = (other, pose = None, *, limit = None))]
-    fn contacts(
-        &self,
-        py: Python<'_>,
-        other: &Self,
-        pose: Option<&Bound<'_, PyAny>>,
-        limit: Option<usize>,
-    ) -> PyResult<PyContacts> {
-        let pose = self::pose(pose, "pose")?;
-        py.detach(|| {
-            let pairs = pair::contacts(&self.0.view(), &other.0.view(), &pose, limit.unwrap_or(usize::MAX))?;
-            if pairs.is_empty() {
-                return Ok(PyContacts::default());
-            }
-            let (of_a, of_b) = (self.0.shape_list("contacts")?, other.0.shape_list("contacts")?);
-            let mut contacts = PyContacts { pairs, points: vec![], normals: vec![], depths: vec![] };
-            for &Pair { a, b } in &contacts.pairs {
-                let (a, b) = (of_a[a as usize].moved(&pose), of_b[b as usize]);
-                let depth = depth(&a, &b, 1e-6);
-                let near = separation(&a, &b, f64::INFINITY, 0.0);
-                contacts.points.push(near.map_or([f64::NAN; 3], |near| near.b));
-                contacts.normals.push(depth.direction);
-                contacts.depths.push(depth.upper);
-            }
-            Ok(contacts)
         })
     }
 

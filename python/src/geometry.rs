@@ -2,13 +2,15 @@
 
 use crate::error::{OrRaise, raise_as, raised};
 use pyo3::prelude::*;
+use simdop::Pose;
 use simdop::cloud::{CLOUD_MAGIC, PointCloud};
-use simdop::construct::{Builder, Mesh, ShapeSet, SphereSet};
+use simdop::construct::{Builder, ConvexHull, Mesh, OwnedMesh, ShapeSet, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError};
 use simdop::mesh_io::MeshData;
 use simdop::node::Node16;
-use simdop::primitive::shape::Core;
+use simdop::primitive::shape::{Convex, Core};
 use simdop::primitive::{Kind, Primitive, Shape, Sphere, Triangles};
+use simdop::range::Point;
 use simdop::scene::{BodyTree, SharedTree};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
@@ -17,10 +19,12 @@ use std::sync::Arc;
 /// The node type of all trees.
 pub(crate) type Node = Node16<18>;
 
-/// A body: one shape, or a tree or a cloud that Python objects and scenes share.
+/// A body: one shape, a convex hull, or a tree or a cloud that Python objects and scenes share.
 #[derive(Debug)]
 pub(crate) enum Geometry {
     Shape(Shape),
+    /// The tree over its triangles, and the corners.
+    Hull(Arc<Bvh<Node, Triangles>>, Vec<Point>),
     Tree(SharedTree<Node>),
 }
 
@@ -28,6 +32,23 @@ impl Geometry {
     pub(crate) fn mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]], builder: Builder) -> PyResult<Self> {
         let tree = builder.build(&Mesh { vertices, triangles }).or_raise()?;
         Ok(Self::Tree(SharedTree::Mesh(Arc::new(tree))))
+    }
+
+    pub(crate) fn hull(points: &[Point]) -> PyResult<Self> {
+        let hull = ConvexHull::of(points).or_raise()?;
+        let builder = if hull.is_solid { Builder::fast().solid() } else { Builder::fast() };
+        let OwnedMesh { vertices, triangles } = hull.mesh;
+        let tree = builder.build(&Mesh { vertices: &vertices, triangles: &triangles }).or_raise()?;
+        Ok(Self::Hull(Arc::new(tree), vertices))
+    }
+
+    /// If it is convex, at a pose.
+    pub(crate) fn convex(&self, pose: &Pose) -> Option<Convex<'_>> {
+        match self {
+            Self::Shape(shape) => Some(Convex::Shape(shape.moved(pose))),
+            Self::Hull(_, points) => Some(Convex::Hull { points, pose: *pose }),
+            Self::Tree(_) => None,
+        }
     }
 
     pub(crate) fn spheres(spheres: &[Sphere]) -> PyResult<Self> {
@@ -69,7 +90,7 @@ impl Geometry {
     pub(crate) fn bytes(&self) -> Option<Cow<'_, [u8]>> {
         match self {
             Self::Shape(_) => None,
-            Self::Tree(SharedTree::Mesh(tree)) => Some(tree.as_bytes().into()),
+            Self::Hull(tree, _) | Self::Tree(SharedTree::Mesh(tree)) => Some(tree.as_bytes().into()),
             Self::Tree(SharedTree::Spheres(tree)) => Some(tree.as_bytes().into()),
             Self::Tree(SharedTree::Shapes(tree)) => Some(tree.as_bytes().into()),
             Self::Tree(SharedTree::PointCloud(cloud)) => Some(cloud.view().to_bytes().into()),
@@ -98,6 +119,7 @@ impl Geometry {
                 Core::Cone { .. } => "cone",
                 Core::HalfSpace { .. } => "half-space",
             },
+            Self::Hull(..) => "hull",
             Self::Tree(SharedTree::Mesh(_)) => "mesh",
             Self::Tree(SharedTree::Spheres(_)) => "spheres",
             Self::Tree(SharedTree::Shapes(_)) => "shapes",
@@ -109,10 +131,19 @@ impl Geometry {
     pub(crate) fn view(&self) -> BodyTree<'_, Node> {
         match self {
             Self::Shape(shape) => BodyTree::Shape(*shape),
-            Self::Tree(SharedTree::Mesh(tree)) => BodyTree::Mesh(tree.view()),
+            Self::Hull(tree, _) | Self::Tree(SharedTree::Mesh(tree)) => BodyTree::Mesh(tree.view()),
             Self::Tree(SharedTree::Spheres(tree)) => BodyTree::Spheres(tree.view()),
             Self::Tree(SharedTree::Shapes(tree)) => BodyTree::Shapes(tree.view()),
             Self::Tree(SharedTree::PointCloud(cloud)) => BodyTree::PointCloud(cloud.view()),
+        }
+    }
+
+    /// Of a body that a scene owns.
+    pub(crate) fn of_tree(tree: BodyTree<'static, Node>) -> Self {
+        match tree {
+            BodyTree::Shape(shape) => Self::Shape(shape),
+            BodyTree::Shared(tree) => Self::Tree(tree),
+            _ => unreachable!("a scene that borrows nothing owns shapes and shared trees"),
         }
     }
 
@@ -120,6 +151,7 @@ impl Geometry {
     pub(crate) fn shared(&self) -> BodyTree<'static, Node> {
         match self {
             Self::Shape(shape) => BodyTree::Shape(*shape),
+            Self::Hull(tree, _) => BodyTree::Shared(SharedTree::Mesh(Arc::clone(tree))),
             Self::Tree(tree) => BodyTree::Shared(tree.clone()),
         }
     }

@@ -1,9 +1,10 @@
 //! Queries of two bodies of any kind.
 
 use crate::error::{OrRaise, Raise, raise_as, raised};
-use crate::geometry::Node;
+use crate::geometry::{Geometry, Node};
 use pyo3::prelude::*;
-use simdop::query::{Answer, Distance, Pair};
+use simdop::primitive::shape::Convex;
+use simdop::query::{Answer, DepthInterval, Distance, Pair, SignedDistance};
 use simdop::scene::{BodyTree, SceneError};
 use simdop::{Isa, Pose, Query};
 use std::ops::ControlFlow;
@@ -73,6 +74,44 @@ pub(crate) struct Search {
 /// The distance of two bodies that are nearer than the cutoff.
 pub(crate) fn distance(a: &View<'_>, b: &View<'_>, pose: &Pose, search: Search) -> PyResult<Distance> {
     a.distance_up_to(&query(), b, pose, search.tolerance, search.cutoff).map_err(as_of_bodies)
+}
+
+/// A query with a budget in visits, if there is one.
+pub(crate) fn query_within(budget: Option<u64>) -> Query {
+    budget.map_or_else(query, |budget| query().with_budget(budget))
+}
+
+/// Two convex bodies, of which one is a hull.
+fn hulls<'g>(a: &'g Geometry, b: &'g Geometry, pose: &Pose) -> Option<(Convex<'g>, Convex<'g>)> {
+    let has_hull = matches!(a, Geometry::Hull(..)) || matches!(b, Geometry::Hull(..));
+    has_hull.then(|| a.convex(pose).zip(b.convex(&Pose::IDENTITY))).flatten()
+}
+
+/// The distance of two bodies, or minus their depth.
+pub(crate) fn signed_distance(
+    query: &Query,
+    a: &Geometry,
+    b: &Geometry,
+    pose: &Pose,
+    tolerance: f64,
+) -> PyResult<SignedDistance> {
+    match hulls(a, b, pose) {
+        Some((a, b)) => Ok(SignedDistance::of_convex(&a, &b, tolerance).or_raise()?),
+        None => a.view().signed_distance(query, &b.view(), pose, tolerance).map_err(as_of_bodies),
+    }
+}
+
+/// The depth of two bodies.
+pub(crate) fn depth(query: &Query, a: &Geometry, b: &Geometry, pose: &Pose) -> PyResult<DepthInterval> {
+    match hulls(a, b, pose) {
+        Some((a, b)) => Ok(SignedDistance::of_convex(&a, &b, 0.0).or_raise()?.depth()),
+        None => a.view().depth(query, &b.view(), pose).map_err(as_of_bodies),
+    }
+}
+
+/// How far A moves along a direction until it has left B.
+pub(crate) fn depth_along(a: &View<'_>, b: &View<'_>, pose: &Pose, direction: [f64; 3]) -> PyResult<f64> {
+    a.depth_along(&query(), b, pose, direction).map_err(as_of_bodies)
 }
 
 /// Up to `limit` pairs of primitives that meet.

@@ -5,9 +5,9 @@ use crate::batch::all_with;
 use crate::body::PyBody;
 use crate::error::{OrRaise, raise_as, raised};
 use crate::scene::{Hit, Nearest, PyClearance};
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use simdop::planning::{PlanningScene, RobotFiles, Workspace};
+use simdop::planning::{PlanSettings, PlanningScene, RobotFiles, Workspace};
 use simdop::robot::LinkShapes;
 use simdop::scene::{Body, BodyId};
 use std::collections::BTreeMap;
@@ -32,13 +32,13 @@ pub(crate) struct PyPlanningScene {
 }
 
 /// The memory of one thread, which goes back when it is dropped.
-struct Borrowed<'s> {
+pub(crate) struct Borrowed<'s> {
     owner: &'s PyPlanningScene,
     workspace: Option<Workspace>,
 }
 
 impl Borrowed<'_> {
-    const fn get(&mut self) -> &mut Workspace {
+    pub(crate) const fn get(&mut self) -> &mut Workspace {
         match &mut self.workspace {
             Some(workspace) => workspace,
             None => unreachable!(),
@@ -57,7 +57,7 @@ impl PyPlanningScene {
         Self { scene: RwLock::new(scene), idle: Mutex::default() }
     }
 
-    fn read(&self) -> RwLockReadGuard<'_, PlanningScene> {
+    pub(crate) fn read(&self) -> RwLockReadGuard<'_, PlanningScene> {
         self.scene.read().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -69,7 +69,7 @@ impl PyPlanningScene {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn workspace(&self, scene: &PlanningScene) -> Borrowed<'_> {
+    pub(crate) fn workspace(&self, scene: &PlanningScene) -> Borrowed<'_> {
         let idle = self.idle().pop();
         Borrowed { owner: self, workspace: Some(idle.unwrap_or_else(|| scene.workspace())) }
     }
@@ -296,6 +296,36 @@ impl PyPlanningScene {
             })
         })?;
         Ok(array(py, free))
+    }
+
+    /// A path of straight motions from ``start``, (n,), to ``goal``, which are free at all times: (m, n)
+    /// configurations, or None if none was found.
+    ///
+    /// ``step`` is the longest motion by which the search grows, in the joints; it ends after ``configurations`` random
+    /// ones. Then ``shortcuts`` straight motions are tried. The same ``seed`` gives the same path on every machine.
+    #[pyo3(signature = (start, goal, *, step = 1.0, configurations = 100_000, shortcuts = 100, seed = 1))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn plan<'py>(
+        &self,
+        py: Python<'py>,
+        start: &Bound<'py, PyAny>,
+        goal: &Bound<'py, PyAny>,
+        step: f64,
+        configurations: u32,
+        shortcuts: u32,
+        seed: u64,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let (start, goal) = (vector(start, "start")?, vector(goal, "goal")?);
+        let settings = PlanSettings { step, configurations, shortcuts, seed };
+        let found = py.detach(|| {
+            let scene = self.read();
+            scene.plan(self.workspace(&scene).get(), &start, &[&goal], &settings).or_raise()
+        })?;
+        if !found.is_found() {
+            return Ok(None);
+        }
+        let shape = [found.path.len(), start.len()];
+        Ok(Some(array(py, found.path.concat()).reshape(shape)?))
     }
 
     /// The names of all pairs of bodies that come within ``margin`` of each other in a configuration.

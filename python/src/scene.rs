@@ -118,6 +118,11 @@ impl PyScene {
         self.0.write().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Asks the scene.
+    pub(crate) fn with_scene<T>(&self, ask: impl FnOnce(&Scene<'static, Node>) -> T) -> T {
+        ask(&self.read().scene)
+    }
+
     fn members(&self) -> PyResult<Vec<Member>> {
         let placed = self.read();
         let member = |(&number, (geometry, radius)): (&u64, &(Arc<Geometry>, f64))| {

@@ -147,3 +147,36 @@ def test_bad_input_is_refused(files: tuple[Path, Path]) -> None:
     with pytest.raises(simdop.PlanningError, match=r"two\.urdf"):
         PlanningScene(files[0])
     assert planning.free(np.zeros((0, 2))).shape == (0,)
+
+
+def test_signed_clearances_are_depths_of_links(files: tuple[Path, Path], rng: np.random.Generator) -> None:
+    planning = PlanningScene(*files)
+    post, box = Body.cylinder(0.4, 1.0), Body.box([0.9, 0.1, 0.1], at=at(0.5))
+    planning.add("post", post, at(1.2, 0.8))
+    many = rng.uniform(-2.9, 2.9, size=(200, 2))
+    values, gradients = planning.signed_clearances(many, threads=2)
+    assert gradients.shape == (200, 2)
+    smooth = meeting = 0
+    for i, q in enumerate(many):
+        inverse = np.linalg.inv(at(1.2, 0.8))
+        expected = min(float(box.signed_distance(post, inverse @ pose)) for pose in link_poses(q))
+        found = planning.signed_clearance(q)
+        assert values[i] == float(found)
+        assert found.gradient is not None
+        assert (gradients[i] == found.gradient).all()
+        assert values[i] == pytest.approx(expected, abs=1e-6)
+        meeting += values[i] < 0
+        step = 1e-6
+        moved = [[float(planning.signed_clearance(q + s * step * unit)) for s in (-1, 1)] for unit in np.eye(2)]
+        slopes = np.array([(high - low) / (2 * step) for low, high in moved])
+        smooth += bool(np.abs(slopes - gradients[i]).max() < 1e-2)
+    assert 10 < meeting < 150
+    assert smooth > 170
+    assert planning.signed_clearances(np.zeros((0, 2)))[1].shape == (0, 2)
+    with pytest.raises(simdop.PlanningError):
+        planning.signed_clearance([0.0])
+    names = [name for name, _, _ in planning.placed([0.0, 0.0])]
+    assert names == ["upper", "lower", "post"]
+    # The box is half a length ahead of its link.
+    upright = link_poses(np.array([np.pi / 2, 0.0]))[1] @ at(0.5)
+    assert planning.placed([np.pi / 2, 0.0])[1][2] == pytest.approx(upright, abs=1e-12)

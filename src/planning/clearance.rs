@@ -1,11 +1,12 @@
-//! Clearance of a configuration, and its gradient.
+//! Clearance of a configuration, signed or not, and its gradient.
 
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
+use crate::motion::MotionError;
 use crate::range::Point;
-use crate::scene::{BodyId, SceneDistance, SceneWitness};
-use crate::vector::{difference, dot, length};
+use crate::scene::{BodyId, SceneDistance, SceneError, SceneSignedDistance, SceneWitness};
+use crate::vector::{difference, dot, unit};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -38,21 +39,63 @@ impl PlanningScene {
         workspace: &mut Workspace,
         witness: &SceneWitness,
     ) -> Result<Vec<f64>, PlanningError> {
-        let across = difference(&witness.b, &witness.a);
-        let distance = length(&across);
         let mut gradient = vec![0.0; self.variables()];
-        if distance <= 0.0 {
-            return Ok(gradient);
+        let points = [(witness.hit.a, witness.a), (witness.hit.b, witness.b)];
+        let normal = unit(&difference(&witness.a, &witness.b)).unwrap_or_default();
+        self.slopes(workspace, points, &normal, &mut gradient)?;
+        Ok(gradient)
+    }
+
+    /// The least signed distance of two tested bodies, up to `cutoff`, and its derivative by each variable that is
+    /// planned for: what a trajectory optimiser needs. Without heap.
+    ///
+    /// The distance is that of [`Scene::signed_clearance`](crate::Scene::signed_clearance): negative where bodies meet,
+    /// by their depth. The derivative is `n . (a' - b')`, where n is the normal of the witness, a and b are its points,
+    /// and the dash is the derivative of a point that moves with its body; in the bodies' unit per unit of the
+    /// variable. It is that of the distance wherever this is smooth, and of bodies that meet, that of the least
+    /// translation that was found, whose length is `-lower`. All zero without a witness or a normal.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::clearance`]; [`PlanningError::Scene`] if `gradient` has not one number for each variable.
+    pub fn signed_clearance(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        tolerance: f64,
+        cutoff: f64,
+        gradient: &mut [f64],
+    ) -> Result<SceneSignedDistance, PlanningError> {
+        if gradient.len() != self.variables() {
+            let error = MotionError::Length { given: gradient.len(), needed: self.variables() };
+            return Err(SceneError::from(error).into());
         }
-        let mut derivatives = vec![[0.0; 3]; self.rest.len()];
-        for (id, point, sign) in [(witness.hit.a, witness.a, -1.0), (witness.hit.b, witness.b, 1.0)] {
+        self.go_to(workspace, values)?;
+        let found = workspace.scene.signed_clearance(&self.query, tolerance, cutoff)?;
+        gradient.fill(0.0);
+        if let Some(witness) = &found.witness {
+            let points = [(witness.hit.a, witness.a), (witness.hit.b, witness.b)];
+            self.slopes(workspace, points, &witness.normal, gradient)?;
+        }
+        Ok(found)
+    }
+
+    /// Adds to each number the derivative, by its variable, of how far the first point is ahead of the second along the
+    /// normal.
+    fn slopes(
+        &self,
+        workspace: &mut Workspace,
+        points: [(BodyId, Point); 2],
+        normal: &Point,
+        gradient: &mut [f64],
+    ) -> Result<(), PlanningError> {
+        for ((id, point), sign) in points.into_iter().zip([1.0, -1.0]) {
             let Some(link) = self.link_of(workspace, id)? else { continue };
-            self.kinematics().point_jacobian(&workspace.links, link, point, &mut derivatives);
+            self.kinematics().point_jacobian(&workspace.links, link, point, &mut workspace.derivatives);
             for (slope, &variable) in gradient.iter_mut().zip(&self.variables) {
-                *slope += sign * dot(&across, &derivatives[variable]) / distance;
+                *slope += sign * dot(normal, &workspace.derivatives[variable]);
             }
         }
-        Ok(gradient)
+        Ok(())
     }
 
     /// The moving link that carries a body, attached or its own. `None` for objects that stand still.

@@ -1,10 +1,12 @@
 //! Workspaces of a scene, and where the robot is in them.
 
+use super::PlanningNode;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
 use crate::motion::LinkFrame;
 use crate::pose::Pose;
+use crate::scene::{BodyId, BodyTree};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -20,7 +22,26 @@ impl PlanningScene {
             poses: vec![Pose::IDENTITY; 2 * self.links.len()],
             values: [(); 3].map(|()| vec![0.0; robot.variables.len()]),
             waiting: Vec::new(),
+            derivatives: vec![[0.0; 3]; robot.variables.len()],
         }
+    }
+
+    /// All bodies with their poses in the world at a configuration: those of the robot, in its order, then the objects.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::is_free`].
+    pub fn placed(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+    ) -> Result<Vec<(BodyId, BodyTree<'static, PlanningNode>, Pose)>, PlanningError> {
+        self.go_to(workspace, values)?;
+        let objects = self.objects.iter().map(|(id, _)| *id);
+        let mut placed = Vec::with_capacity(self.links.len() + self.objects.len());
+        for id in self.links.iter().copied().chain(objects) {
+            placed.push((id, workspace.scene.tree(id)?.clone(), *workspace.scene.world_pose(id)?));
+        }
+        Ok(placed)
     }
 
     /// Copies the scene if it is not the one that the workspace served last.

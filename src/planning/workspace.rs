@@ -3,6 +3,7 @@
 use super::PlanningNode;
 use crate::motion::LinkFrame;
 use crate::pose::Pose;
+use crate::range::Point;
 use crate::scene::{MotionHit, Scene};
 use alloc::vec::Vec;
 
@@ -21,6 +22,8 @@ pub struct Workspace {
     /// Values of all variables: now, and at both ends of a motion.
     pub(super) values: [Vec<f64>; 3],
     pub(super) waiting: Vec<MotionHit>,
+    /// Of a point, by each variable.
+    pub(super) derivatives: Vec<Point>,
 }
 
 impl Workspace {

@@ -45,6 +45,7 @@ mod volume;
 pub use any::AnyError;
 pub use collide::STACK_BYTES;
 pub use contacts::{ContactPatch, Contacts, TooManyPatches, TriangleContact, patches};
+pub(crate) use depth::{ByQueries, depth_along_by, depth_by, half_space_depth};
 pub use depth::{DepthInterval, Packings, SignedDistance};
 pub use distance::{DISTANCE_STACK_BYTES, Distance, Witness};
 pub(crate) use entry::checked;

@@ -128,6 +128,8 @@ macro_rules! with_trees {
     };
 }
 
+pub(super) use with_trees;
+
 /// Two bodies to test, and their relative pose.
 pub(super) struct AskedPair<'s, N> {
     /// Borrowed ones.
@@ -166,7 +168,7 @@ impl<'s, N: Dop> AskedPair<'s, N> {
     }
 
     /// Upper bound, in the frame of the second, of a distance between primitives in the world.
-    fn padded(&self, distance: f64) -> f64 {
+    pub(super) fn padded(&self, distance: f64) -> f64 {
         self.relative.margin(distance, self.max_coordinate, self.round)
     }
 }
@@ -181,6 +183,24 @@ impl<N: Lanes> AskedPair<'_, N> {
             |shape, tree| query.within_shape(shape, tree, pose, margin),
             |shape, cloud| Ok(cloud.shape_within(query, &shape.moved(pose), margin)),
             |a, b| Ok(query.shapes_within(&a.moved(pose), b, margin))
+        )
+    }
+
+    /// The distance of the primitives, in the frame of the second, with the first at a pose there.
+    pub(super) fn distance_at(
+        &self,
+        query: &Query,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Result<Distance, ToleranceError> {
+        with_trees!(
+            (&self.trees.0, &self.trees.1),
+            |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
+            |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff)),
+            |shape, tree| query.distance_shape(shape, tree, pose, tolerance, cutoff),
+            |shape, cloud| Ok(cloud.shape_distance(query, &shape.moved(pose), checked(tolerance)?, cutoff)),
+            |a, b| Ok(query.shapes_distance(&a.moved(pose), b, checked(tolerance)?, cutoff))
         )
     }
 }
@@ -318,7 +338,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         SceneHit { a: self.id(candidate.a as usize), b: self.id(candidate.b as usize), pair }
     }
 
-    fn slots_of(&self, candidate: &NearPair) -> [&Slot<'t, N>; 2] {
+    pub(super) fn slots_of(&self, candidate: &NearPair) -> [&Slot<'t, N>; 2] {
         [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize])
     }
 
@@ -376,7 +396,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     }
 
     /// Bounds of the distance in the world, and the answer in the frame of b.
-    fn ask_distance(
+    pub(super) fn ask_distance(
         &self,
         query: &Query,
         candidate: &NearPair,
@@ -386,19 +406,15 @@ impl<'t, N: Lanes> Scene<'t, N> {
         let slots @ [a, b] = self.slots_of(candidate);
         let asked = AskedPair::new(slots, [&a.world, &b.world]);
         let (pose, cutoff) = (asked.relative.pose(), asked.padded(cutoff + asked.radii));
-        let answer = with_trees!(
-            (&asked.trees.0, &asked.trees.1),
-            |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
-            |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff)),
-            |shape, tree| query.distance_shape(shape, tree, pose, tolerance, cutoff),
-            |shape, cloud| Ok(cloud.shape_distance(query, &shape.moved(pose), checked(tolerance)?, cutoff)),
-            |a, b| Ok(query.shapes_distance(&a.moved(pose), b, checked(tolerance)?, cutoff))
-        )?;
+        let answer = asked.distance_at(query, pose, tolerance, cutoff)?;
         // Largest difference between a distance in the frame of b and the same distance in the world.
         let off = |x: f64| asked.padded(x) - x;
         let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);
-        let upper =
-            if answer.upper == 0.0 { 0.0 } else { (answer.upper + off(answer.upper) - asked.radii).max(0.0) };
+        let upper = match answer.upper {
+            // Of bodies beyond the cutoff, and of those that meet.
+            f64::INFINITY | 0.0 => answer.upper,
+            upper => (upper + off(upper) - asked.radii).max(0.0),
+        };
         Ok((lower, upper, answer))
     }
 }

@@ -8,8 +8,10 @@ use crate::frame::BodyBounds;
 use crate::hierarchy::Bvh;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
+use crate::primitive::shape::{Core, hull_of};
 use crate::primitive::{Primitive, Shape, Shapes, Spheres, Triangles};
-use crate::range::MAX_COORDINATE;
+use crate::range::{MAX_COORDINATE, Point};
+use crate::vector::{difference, length};
 #[cfg(feature = "alloc")]
 use alloc::sync::Arc;
 
@@ -204,6 +206,17 @@ impl<N: Dop> BodyTree<'_, N> {
             BodyTree::PointCloud(cloud) => Some(cloud.extent()),
             _ => None,
         }
+    }
+
+    /// A ball around the body, but for a half-space.
+    pub(super) fn ball(&self) -> Option<(Point, f64)> {
+        let BodyTree::Shape(shape) = self.view() else {
+            return self.extent().map(|extent| (extent.frame.centre, extent.radius));
+        };
+        let (corners, radius) = hull_of(&shape);
+        let centre = Shapes::point(&shape);
+        let reach = corners.map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max) + radius;
+        (!matches!(shape.core(), Core::HalfSpace { .. })).then_some((centre, reach))
     }
 
     pub(super) fn is_empty(&self) -> bool {

@@ -48,6 +48,7 @@ mod error;
 mod memory;
 mod pairs;
 mod placement;
+mod signed_clearance;
 mod two_bodies;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
@@ -63,3 +64,4 @@ pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 pub use placement::Scene;
 #[cfg(feature = "planning")]
 pub(crate) use placement::check as check_pose;
+pub use signed_clearance::{SceneSignedDistance, SignedWitness};

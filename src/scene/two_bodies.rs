@@ -8,10 +8,17 @@ use super::body::{Body, BodyId, BodyTree};
 use super::error::SceneError;
 use super::memory::{SceneMemory, Slot};
 use super::placement::Scene;
-use super::{SceneHit, SceneVerdict};
+use super::{SceneHit, SceneSignedDistance, SceneVerdict, SignedWitness};
+use crate::exact::power_of_two;
 use crate::node::Aabb16;
 use crate::pose::Pose;
-use crate::query::{Answer, Distance, Hint, Lanes, Pair, Query, Verdict, Witness};
+use crate::primitive::shape::{Convex, Core};
+use crate::query::{
+    Answer, ByQueries, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats, SignedDistance,
+    Verdict, Witness, depth_along_by,
+};
+use crate::range::Point;
+use crate::vector::{difference, dot, length, unit};
 
 /// Evaluates one of four expressions: for two trees, a shape and a tree, two shapes, or any other pair.
 macro_rules! with_pair {
@@ -34,6 +41,24 @@ macro_rules! with_pair {
             (BodyTree::Shape($a), BodyTree::Shapes($b)) => $beside,
             (BodyTree::Shape($a), BodyTree::Shape($b)) => $shapes,
             ($a, $b) => $others,
+        }
+    };
+}
+
+/// Evaluates an expression for two trees, or another for any other pair.
+macro_rules! with_trees {
+    (($of_a:expr, $of_b:expr), |$a:ident, $b:ident| $trees:expr, $others:expr $(,)?) => {
+        match ($of_a, $of_b) {
+            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Mesh($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Spheres($a), BodyTree::Shapes($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
+            (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
+            _ => $others,
         }
     };
 }
@@ -97,6 +122,142 @@ impl<N: Lanes> BodyTree<'_, N> {
             distance_in_scene(query, [a, b], pose, tolerance, cutoff)?,
         ))
     }
+}
+
+impl<N: Lanes> BodyTree<'_, N> {
+    /// How far apart are the bodies, or how deep in each other? As [`Query::signed_distance`], for bodies of any kind,
+    /// with the bounds of [`Scene::signed_clearance`].
+    ///
+    /// # Errors
+    /// As [`BodyTree::collide`]; [`SceneError::Tolerance`] if the tolerance is out of range.
+    pub fn signed_distance(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        tolerance: f64,
+    ) -> Result<SignedDistance, SceneError> {
+        let (a, b) = (self.view(), other.view());
+        if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
+            return Ok(SignedDistance::of_convex(
+                &Convex::Shape(a.moved(pose)),
+                &Convex::Shape(*b),
+                tolerance,
+            )?);
+        }
+        Ok(with_trees!(
+            (&a, &b),
+            |a, b| query.signed_distance(a, b, pose, tolerance, None)?,
+            signed_in_scene(query, [&a, &b], pose, tolerance)?,
+        ))
+    }
+
+    /// How far does this body, placed by `pose` in the frame of another, have to be translated at least until it is
+    /// apart from it or touches it? As [`Query::depth`], for bodies of any kind, with the bounds of
+    /// [`BodyTree::signed_distance`].
+    ///
+    /// # Errors
+    /// As [`BodyTree::collide`].
+    pub fn depth(&self, query: &Query, other: &Self, pose: &Pose) -> Result<DepthInterval, SceneError> {
+        let (a, b) = (self.view(), other.view());
+        if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
+            return Ok(query.depth_shapes(a, b, pose, TOLERANCE));
+        }
+        Ok(with_trees!(
+            (&a, &b),
+            |a, b| query.depth(a, b, pose, None),
+            signed_in_scene(query, [&a, &b], pose, TOLERANCE)?.depth(),
+        ))
+    }
+
+    /// How far does this body have to be translated along `direction` until it does not meet another any more, however
+    /// far it goes on? As [`Query::depth_along`], for bodies of any kind.
+    ///
+    /// # Errors
+    /// As [`BodyTree::collide`].
+    pub fn depth_along(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        direction: Point,
+    ) -> Result<f64, SceneError> {
+        let (a, b) = (self.view(), other.view());
+        let normals = [half_space_normal(&a).map(|n| pose.rotate(&n).map(|x| -x)), half_space_normal(&b)];
+        if let Some(out) = normals.into_iter().flatten().next() {
+            let deep = self.depth(query, other, pose)?.upper;
+            let cosine = unit(&direction).zip(unit(&out)).map_or(0.0, |(d, n)| dot(&d, &n));
+            let is_free = deep == 0.0;
+            return Ok(if is_free {
+                0.0
+            } else if cosine > 0.0 {
+                deep / cosine
+            } else {
+                f64::INFINITY
+            });
+        }
+        Ok(with_trees!(
+            (&a, &b),
+            |a, b| query.depth_along(a, b, pose, direction).0,
+            self.depth_along_by_queries(query, other, pose, &direction)?,
+        ))
+    }
+
+    fn depth_along_by_queries(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        direction: &Point,
+    ) -> Result<f64, SceneError> {
+        if self.collide(query, other, pose)?.is_free() {
+            return Ok(0.0);
+        }
+        let ball = |tree: &Self| tree.ball().unwrap_or(([0.0; 3], 0.0));
+        let ((a, reach_a), (b, reach_b)) = (ball(self), ball(other));
+        let apart = length(&difference(&pose.apply(a), &b));
+        let mut bodies = ByQueries {
+            query: *query,
+            within: |query: &Query, t: &Point| self.collide(query, other, &pose.shifted(t)).ok(),
+            distance: |query: &Query, t: &Point, tolerance| {
+                self.distance_up_to(query, other, &pose.shifted(t), tolerance, f64::INFINITY).ok()
+            },
+            margin: 0.0,
+            far: 1.01 * (reach_a + reach_b + apart),
+            stats: QueryStats::default(),
+        };
+        Ok(depth_along_by(&mut bodies, direction))
+    }
+}
+
+/// Of the depth of two shapes.
+const TOLERANCE: f64 = power_of_two(-40);
+
+fn half_space_normal<N>(tree: &BodyTree<'_, N>) -> Option<Point> {
+    match tree {
+        BodyTree::Shape(shape) => match *shape.core() {
+            Core::HalfSpace { normal, .. } => Some(normal),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn signed_in_scene<N: Lanes>(
+    query: &Query,
+    bodies: [&BodyTree<'_, N>; 2],
+    pose: &Pose,
+    tolerance: f64,
+) -> Result<SignedDistance, SceneError> {
+    in_scene(bodies, pose, |scene, id| {
+        let near = scene.signed_clearance(query, tolerance, f64::INFINITY)?;
+        let (normal, a, b) = near.witness.map_or(([0.0; 3], [f64::NAN; 3], [f64::NAN; 3]), |witness| {
+            let SignedWitness { hit, a, b, normal } = witness;
+            if hit.a == id { (normal, a, b) } else { (normal.map(|x| -x), b, a) }
+        });
+        let SceneSignedDistance { lower, upper, completion, stats, .. } = near;
+        Ok(SignedDistance { lower, upper, completion, stats, ..SignedDistance::along(normal, a, b) })
+    })
 }
 
 /// A query of the scene of two bodies. Also passes it the id of the first.

@@ -3,6 +3,8 @@
 
 extern crate alloc;
 
+#[path = "../support/heap.rs"]
+mod heap;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -10,6 +12,7 @@ mod contacts;
 mod depth;
 mod oracle;
 mod patches;
+mod scenes;
 mod signed;
 
 use crate::support::data::MeshData;

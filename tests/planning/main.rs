@@ -7,6 +7,7 @@ mod files;
 mod objects;
 mod plans;
 mod real;
+mod signed;
 
 use simdop::planning::{PlanningScene, RobotFiles, RobotModel};
 use simdop::pose::Pose;

@@ -4,7 +4,7 @@ use super::{simdop_body_id, simdop_scene, with_scene};
 use crate::boundary::{answered, given, guarded};
 use crate::error::simdop_error;
 use crate::query::{query, simdop_completion, simdop_pair, simdop_query_stats, simdop_verdict};
-use simdop::scene::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
+use simdop::scene::{SceneAnswer, SceneDistance, SceneHit, SceneSignedDistance, SceneVerdict};
 use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
@@ -100,6 +100,49 @@ impl From<SceneAnswer> for simdop_scene_answer {
     }
 }
 
+/// The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_scene_signed_answer {
+    /// Whether the search was not cut short by the budget. The bounds hold in any case.
+    pub completion: simdop_completion,
+    /// Lower bound: the cutoff, if no two bodies are nearer. If some meet, minus the upper bound of their depth.
+    pub lower: f64,
+    /// Upper bound. Infinite if no two bodies nearer than the cutoff were found. If some meet, minus the lower bound of
+    /// their depth, which is 0 if nothing is known of their insides.
+    pub upper: f64,
+    /// If `upper` is finite: the bodies that are deepest in each other, or the nearest ones, and their primitives.
+    pub hit: simdop_scene_hit,
+    /// The point of `hit.a`'s primitive in the world: the nearest, or the one that touches `hit.b` last when `hit.a`
+    /// leaves it along the normal. Ignores the body's radius. NaN if there is no hit.
+    pub point_a: [f64; 3],
+    /// The point of `hit.b`'s primitive.
+    pub point_b: [f64; 3],
+    /// The unit vector in the world along which `hit.a` leaves `hit.b`. Zeros if none is known.
+    pub normal: [f64; 3],
+    /// Pairs of bodies tested.
+    pub pairs: u64,
+    /// Query statistics, summed over these pairs.
+    pub stats: simdop_query_stats,
+}
+
+impl From<SceneSignedDistance> for simdop_scene_signed_answer {
+    fn from(answer: SceneSignedDistance) -> Self {
+        let witness = answer.witness;
+        Self {
+            completion: answer.completion.into(),
+            lower: answer.lower,
+            upper: answer.upper,
+            hit: witness.map_or(simdop_scene_hit::NONE, |witness| witness.hit.into()),
+            point_a: witness.map_or([f64::NAN; 3], |witness| witness.a),
+            point_b: witness.map_or([f64::NAN; 3], |witness| witness.b),
+            normal: witness.map_or([0.0; 3], |witness| witness.normal),
+            pairs: answer.pairs,
+            stats: answer.stats.into(),
+        }
+    }
+}
+
 impl From<SceneDistance> for simdop_scene_clearance_answer {
     fn from(answer: SceneDistance) -> Self {
         let witness = answer.witness;
@@ -158,6 +201,22 @@ pub extern "C" fn simdop_scene_clearance(
     answered(answer, || {
         let scene = &given(scene, "scene")?.scene;
         Ok(with_scene!(scene, |scene| scene.clearance(&query(budget), tolerance, cutoff))?.into())
+    })
+}
+
+/// What is the smallest signed distance between the bodies of any tested pair, up to `cutoff`: their distance, or minus
+/// the depth of those that are deepest in each other? Otherwise like simdop_scene_clearance().
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_signed_clearance(
+    scene: Option<&simdop_scene>,
+    tolerance: f64,
+    cutoff: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_scene_signed_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let scene = &given(scene, "scene")?.scene;
+        Ok(with_scene!(scene, |scene| scene.signed_clearance(&query(budget), tolerance, cutoff))?.into())
     })
 }
 

@@ -8,7 +8,7 @@ mod states;
 pub use ask::{
     SIMDOP_NO_BODY, simdop_on_hit, simdop_scene_answer, simdop_scene_clearance,
     simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_each_hit, simdop_scene_hit,
-    simdop_scene_hits, simdop_scene_within,
+    simdop_scene_hits, simdop_scene_signed_answer, simdop_scene_signed_clearance, simdop_scene_within,
 };
 pub use classify::{simdop_pair_class, simdop_pair_report, simdop_scene_classify_pair};
 pub use edge::{

@@ -154,6 +154,7 @@ void scenes() {
     DO(scene.attach(cup, hand));
     EXPECT(must(scene.collide()).verdict == SIMDOP_VERDICT_FREE);
     EXPECT(is_near(must(scene.clearance()).upper, 4.25));
+    EXPECT(is_near(must(scene.signed_clearance()).lower, 4.25));
     const std::array<simdop::body_id, 1> moving = {hand};
     const std::array<simdop::pose, 1> near = {simdop::translation(4.25, 0, 0)};
     DO(scene.place(moving, near));

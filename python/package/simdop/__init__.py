@@ -4,6 +4,7 @@ A ``Body`` is a mesh, shapes, spheres or points, with the tree over them. A pose
 the frame of body B; an array of n poses, (n, 4, 4), is answered in one call, without the interpreter's lock. ``Scene``
 holds many bodies at poses in the world, and ``RangeSearch`` finds neighbours among points.
 
+``simdop.plot`` draws bodies, scenes and paths.
 ``simdop.trimesh`` replaces trimesh's ``CollisionManager``, and ``simdop.fcl`` the module of python-fcl.
 """
 
@@ -16,11 +17,13 @@ from ._simdop import (
     CloudError,
     Contacts,
     CoverError,
+    Depth,
     Distance,
     Error,
     FileError,
     FormatError,
     PackError,
+    Patch,
     Penetration,
     PlanningError,
     PlanningScene,
@@ -29,6 +32,8 @@ from ._simdop import (
     Scene,
     SceneError,
     ShapeError,
+    SignedClearance,
+    SignedDistance,
     ToleranceError,
     __version__,
     isa,
@@ -43,11 +48,13 @@ __all__ = [
     "CloudError",
     "Contacts",
     "CoverError",
+    "Depth",
     "Distance",
     "Error",
     "FileError",
     "FormatError",
     "PackError",
+    "Patch",
     "Penetration",
     "PlanningError",
     "PlanningScene",
@@ -56,6 +63,8 @@ __all__ = [
     "Scene",
     "SceneError",
     "ShapeError",
+    "SignedClearance",
+    "SignedDistance",
     "ToleranceError",
     "__version__",
     "isa",

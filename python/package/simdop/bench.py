@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import statistics
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -17,6 +18,7 @@ import numpy as np
 
 from . import Body, RangeSearch, isa
 from ._arrays import Floats, Triangles
+from .agreement import coal_model, compare, random_poses
 
 Mesh = tuple[Floats, Triangles]
 
@@ -43,14 +45,7 @@ def _uneven(rows: int) -> Mesh:
 
 def _poses(count: int) -> Floats:
     """Random rotations about bodies that are about as often in contact as not."""
-    rng = np.random.default_rng(1)
-    q, _ = np.linalg.qr(rng.normal(size=(count, 3, 3)))
-    q[:, :, 0] *= np.linalg.det(q)[:, None]
-    away = rng.normal(size=(count, 3))
-    away *= (rng.uniform(1.6, 2.3, size=count) / np.linalg.norm(away, axis=1))[:, None]
-    poses = np.tile(np.eye(4), (count, 1, 1))
-    poses[:, :3, :3], poses[:, :3, 3] = q, away
-    return poses
+    return random_poses(count, 1.6, 2.3, 1)
 
 
 def _time(work: Callable[[], Any], repeats: int = 5) -> tuple[float, Any]:
@@ -92,13 +87,7 @@ def _peers(mesh: Mesh) -> dict[str, tuple[Callable[[Floats], bool], Callable[[Fl
     except ImportError:
         pass
     else:
-        tree = coal.BVHModelOBBRSS()
-        tree.beginModel(len(faces), len(vertices))
-        points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-        points.extend(list(vertices))
-        triangles.extend([coal.Triangle(*map(int, face)) for face in faces])
-        tree.addSubModel(points, triangles)
-        tree.endModel()
+        tree = coal_model(coal, mesh)
         still = coal.Transform3s()
 
         def coal_collide(pose: Floats) -> bool:
@@ -173,8 +162,11 @@ def main() -> None:
     parser.add_argument("--rows", type=int, default=40, help="the mesh has about 2 rows^2 triangles")
     parser.add_argument("--poses", type=int, default=1000)
     parser.add_argument("--points", type=int, default=20_000)
+    parser.add_argument("--agree", type=int, metavar="POSES", help="only compare answers of five meshes with Coal's")
     options = parser.parse_args()
     print(f"simdop on {isa}")
+    if options.agree:
+        sys.exit(1 if compare(options.agree) else 0)
     meshes(options.rows, options.poses)
     points(options.points)
 

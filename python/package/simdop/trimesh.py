@@ -103,11 +103,12 @@ class _Surface(fcl.BVHModel):
 _bodies: WeakValueDictionary[tuple[bytes, bytes, bool], Body] = WeakValueDictionary()
 
 
-def _shared(vertices: Floats, triangles: Triangles, solid: bool) -> Body:
-    key = (vertices.tobytes(), triangles.tobytes(), solid)
+def _shared(vertices: Floats, triangles: Triangles, convex: bool) -> Body:
+    key = (vertices.tobytes(), triangles.tobytes(), convex)
     body = _bodies.get(key)
     if body is None:
-        body = _bodies[key] = Body(vertices, triangles, solid=solid, build="fast")
+        body = Body.hull(vertices) if convex else Body(vertices, triangles, build="fast")
+        _bodies[key] = body
     return body
 
 

@@ -20,7 +20,8 @@
 //!
 //! The convex hull of points is a body of triangles, with their exactness: `construct::ConvexHull`.
 //!
-//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]).
+//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]); of hulls of points, both are
+//! ([`signed_separation`]).
 //!
 //! ```
 //! use simdop::glam::{DAffine3, DVec3};
@@ -48,6 +49,7 @@ pub(crate) mod fast;
 mod hull;
 pub mod lanes;
 mod pair;
+mod signed;
 mod stored;
 
 pub use self::core::Core;
@@ -59,6 +61,7 @@ pub(crate) use error::length;
 pub(crate) use hull::hull_of;
 pub(crate) use pair::{is_near, nearer};
 pub use pair::{is_within, meets, separation};
+pub use signed::{Convex, SignedSeparation, signed_separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 #[cfg(doc)]

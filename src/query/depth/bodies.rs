@@ -17,6 +17,7 @@
 
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
+use super::posed_pair::{PosedPair, Shared, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -32,25 +33,14 @@ const ROUNDING: f64 = power_of_two(-44);
 /// Far above the least coordinate, and far below anything of a body.
 const LEAST: f64 = power_of_two(-240);
 
-/// Balls about one point inside of both bodies.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Shared {
-    /// All translations nearer than this to the one asked for are forbidden. Rounded down.
-    pub(super) radius: f64,
-    /// The point, in A's frame.
-    pub(super) point: Point,
-    /// From the surface of B to the point, and from that of A, in B's frame, of length 1.
-    pub(super) inwards: [Point; 2],
-    /// The radii of the two balls.
-    radii: [f64; 2],
-}
-
 pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) query: Query,
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) pose: &'t Pose,
     pub(super) packings: Option<&'t Packings<'t, N>>,
+    /// The bodies meet if they are not farther apart.
+    pub(super) margin: f64,
     pub(super) stats: QueryStats,
     pub(super) hint: Hint,
 }
@@ -63,78 +53,6 @@ where
     pub(super) fn at(&self, t: &Point) -> Option<Pose> {
         let pose = self.pose.shifted(t);
         pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
-    }
-
-    /// Whether the bodies are free after a translation, by the exact query.
-    pub(super) fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
-        let Some(pose) = self.at(t) else { return Ok(false) };
-        let answer = self.query.after(&self.stats).with_hint(self.hint).collide(self.a, self.b, &pose);
-        self.stats = self.stats.and(&answer.stats);
-        match answer.verdict {
-            Verdict::Free => Ok(true),
-            Verdict::Hit(_) => {
-                self.hint = answer.hint;
-                Ok(false)
-            }
-            Verdict::Unknown { .. } => Err(OutOfBudget),
-        }
-    }
-
-    /// A lower bound of the distance after a translation, and the unit vector from the nearest point of B to that of A.
-    /// `None` if the bodies meet.
-    pub(super) fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
-        let Some(pose) = self.at(t) else { return Ok(None) };
-        let found =
-            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
-        let Ok(found) = found else { return Ok(None) };
-        self.stats = self.stats.and(&found.stats);
-        if found.completion != Completion::Complete {
-            return Err(OutOfBudget);
-        }
-        let Some(witness) = found.witness.filter(|_| found.lower > 0.0) else { return Ok(None) };
-        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (found.lower, normal)))
-    }
-
-    /// How far a translation along any direction is enough: the balls around the bodies are then apart.
-    pub(super) fn far(&self) -> f64 {
-        let (a, b) = (self.a.extent(), self.b.extent());
-        let apart = length(&difference(&self.pose.unflushed(&a.frame.centre), &b.frame.centre));
-        1.01 * (a.radius + b.radius + apart)
-    }
-
-    fn slack(&self, t: &Point) -> f64 {
-        let coordinates = reach(self.a, self.b, self.pose) + t.iter().fold(0.0, |sum, x| sum + x.abs());
-        ROUNDING * coordinates + LEAST
-    }
-
-    /// A translation's forbidden neighbourhood: a radius, and a point in both bodies. Tries the packings, and then
-    /// `steps` points on the way from the best of the seed and the place of the packings; without these, from where the
-    /// bodies are likely to overlap. The radius is 0 or less if nothing is known to be forbidden.
-    pub(super) fn forbidden(
-        &mut self,
-        t: &Point,
-        seed: Option<Point>,
-        steps: usize,
-    ) -> Result<(f64, Option<Shared>), OutOfBudget> {
-        let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
-        let (mut radius, mut of_packings) = (0.0, None);
-        if let Some(packings) = self.packings {
-            let budget = self.query.budget();
-            if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
-                radius = pair.depth - self.pose.skew() * pair.a.radius - self.slack(t);
-                of_packings = Some(self.middle_of_lens(&pair, &pose));
-            }
-        }
-        let mut best = self.best_of([seed, of_packings], &pose, t)?;
-        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
-            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
-            best = self.best_of(seeds, &pose, t)?;
-        }
-        if let Some(start) = best {
-            let found = self.widened(start, &pose, t, steps)?;
-            (radius, best) = (f64::max(radius, found.radius), Some(found));
-        }
-        Ok((radius, best))
     }
 
     fn best_of(
@@ -161,7 +79,7 @@ where
         // On the way from the centre in A to that in B.
         let middle = 0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius));
         let share = if far > 0.0 { f64::max(middle, 0.0) / far } else { 0.0 };
-        let back = self.turned_back(&apart);
+        let back = turned_back(self.pose, &apart);
         core::array::from_fn(|i| pair.a.centre[i] + share * back[i])
     }
 
@@ -186,46 +104,8 @@ where
     /// A point of B's frame in A's, up to rounding and the deviation of the matrix.
     fn in_a(&self, point: &Point, pose: &Pose) -> Point {
         let centre = self.a.frame().centre;
-        let back = self.turned_back(&difference(point, &pose.unflushed(&centre)));
+        let back = turned_back(self.pose, &difference(point, &pose.unflushed(&centre)));
         core::array::from_fn(|i| centre[i] + back[i])
-    }
-
-    /// Moves the point away from both surfaces while its balls grow.
-    fn widened(
-        &mut self,
-        start: Shared,
-        pose: &Pose,
-        t: &Point,
-        steps: usize,
-    ) -> Result<Shared, OutOfBudget> {
-        let (mut best, mut step) = (start, 0.3 * start.radius);
-        for _ in 0..steps {
-            let [from_b, from_a] = &best.inwards;
-            let slope: Point = core::array::from_fn(|i| from_b[i] + from_a[i]);
-            // The sum of both distances grows at most this fast: the directions oppose each other.
-            if dot(&slope, &slope) < FLAT {
-                break;
-            }
-            let Some(along) = unit(&slope) else { break };
-            let back = self.turned_back(&along);
-            let point = core::array::from_fn(|i| best.point[i] + step * back[i]);
-            // Within a ball inside of a body, the point is inside.
-            let is_unknown = best.radii.map(|radius| step > 0.99 * radius);
-            match self.shared(&point, pose, t, is_unknown)? {
-                Some(found) if found.radius > best.radius => (best, step) = (found, 1.4 * step),
-                _ => step *= 0.4,
-            }
-            if step < 0.01 * best.radius {
-                break;
-            }
-        }
-        Ok(best)
-    }
-
-    /// A vector of B's frame in A's.
-    fn turned_back(&self, v: &Point) -> Point {
-        let r = self.pose.rows();
-        core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
     }
 
     /// The balls about a point of A. `None` if it is not inside of both bodies; `is_unknown` of A and B: whether that
@@ -250,7 +130,7 @@ where
         let (Some(from_b), Some(from_a)) = (unit(&difference(&in_b.a, &in_b.b)), unit(&from_a)) else {
             return Ok(None);
         };
-        let slack = self.slack(t);
+        let slack = slack(reach(self.a, self.b, self.pose), t);
         Ok(Some(Shared {
             radius: sum - slack,
             point: *point,
@@ -280,16 +160,126 @@ where
     }
 }
 
+impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> PosedPair for PosedBodies<'_, N, P, Q>
+where
+    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+{
+    fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok(false) };
+        let query = self.query.after(&self.stats).with_hint(self.hint);
+        let answer = if self.margin > 0.0 {
+            let Ok(answer) = query.within(self.a, self.b, &pose, self.margin) else { return Ok(false) };
+            answer
+        } else {
+            query.collide(self.a, self.b, &pose)
+        };
+        self.stats = self.stats.and(&answer.stats);
+        match answer.verdict {
+            Verdict::Free => Ok(true),
+            Verdict::Hit(_) => {
+                self.hint = answer.hint;
+                Ok(false)
+            }
+            Verdict::Unknown { .. } => Err(OutOfBudget),
+        }
+    }
+
+    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok(None) };
+        let found =
+            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
+        let Ok(found) = found else { return Ok(None) };
+        self.stats = self.stats.and(&found.stats);
+        if found.completion != Completion::Complete {
+            return Err(OutOfBudget);
+        }
+        let gap = found.lower - self.margin;
+        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
+        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+    }
+
+    fn far(&self) -> f64 {
+        let (a, b) = (self.a.extent(), self.b.extent());
+        let apart = length(&difference(&self.pose.unflushed(&a.frame.centre), &b.frame.centre));
+        1.01 * (a.radius + b.radius + apart + self.margin)
+    }
+
+    /// Tries the packings, and then points on the way from the best of the seed and the place of the packings; without
+    /// these, from where the bodies are likely to overlap.
+    fn forbidden(
+        &mut self,
+        t: &Point,
+        seed: Option<Point>,
+        steps: usize,
+    ) -> Result<(f64, Option<Shared>), OutOfBudget> {
+        let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
+        let (mut radius, mut of_packings) = (0.0, None);
+        if let Some(packings) = self.packings {
+            let budget = self.query.budget();
+            if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
+                let slack = slack(reach(self.a, self.b, self.pose), t);
+                radius = pair.depth - self.pose.skew() * pair.a.radius - slack;
+                of_packings = Some(self.middle_of_lens(&pair, &pose));
+            }
+        }
+        let mut best = self.best_of([seed, of_packings], &pose, t)?;
+        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
+            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
+            best = self.best_of(seeds, &pose, t)?;
+        }
+        if let Some(start) = best {
+            let turned = *self.pose;
+            let found = widened(
+                start,
+                steps,
+                |v| turned_back(&turned, v),
+                |point, is_unknown| self.shared(point, &pose, t, is_unknown),
+            )?;
+            (radius, best) = (f64::max(radius, found.radius), Some(found));
+        }
+        // Nor are they farther apart than the margin after a translation that is farther by that.
+        let farther = if radius > 0.0 { self.margin } else { 0.0 };
+        Ok((radius + farther, best))
+    }
+
+    fn likely_direction(&mut self) -> Result<Option<Point>, OutOfBudget> {
+        let Some(Packings { a, b }) = self.packings else { return Ok(None) };
+        let rest = self.query.after(&self.stats).budget();
+        let few = if rest < VOLUME_VISITS { rest } else { VOLUME_VISITS };
+        let found = self.query.with_budget(few).penetration(a, b, self.pose);
+        self.stats = self.stats.and(&found.stats);
+        if found.completion == Completion::OutOfBudget && few < VOLUME_VISITS {
+            return Err(OutOfBudget);
+        }
+        Ok(Some(found.direction))
+    }
+
+    fn stats(&self) -> QueryStats {
+        self.stats
+    }
+}
+
+/// What is lost to rounding after a translation, with a bound of all coordinates.
+pub(super) fn slack(coordinates: f64, t: &Point) -> f64 {
+    ROUNDING * (coordinates + t.iter().fold(0.0, |sum, x| sum + x.abs())) + LEAST
+}
+
+/// A vector of B's frame in A's.
+fn turned_back(pose: &Pose, v: &Point) -> Point {
+    let r = pose.rows();
+    core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
+}
+
 const MOST_PAIRS: u32 = 512;
+/// Visits of the penetration volume, for its direction.
+const VOLUME_VISITS: u64 = 256;
 /// Of a distance on the way to the bodies, relatively.
-const ROUGH: f64 = power_of_two(-10);
-/// The square of a slope that is not worth a step.
-const FLAT: f64 = power_of_two(-12);
+pub(super) const ROUGH: f64 = power_of_two(-10);
 
 impl Query {
     /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is
     /// not solid or the point is not inside, which is only asked if it is unknown.
-    fn inside<N: Lanes, P: Primitive>(
+    pub(super) fn inside<N: Lanes, P: Primitive>(
         &self,
         solid: &BvhRef<'_, N, P>,
         point: &Point,

@@ -13,12 +13,9 @@
 //! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
-use super::bodies::PosedBodies;
 use super::interval::OutOfBudget;
+use super::posed_pair::PosedPair;
 use crate::exact::power_of_two;
-use crate::primitive::Shapes;
-use crate::query::entry::PrimitivePair;
-use crate::query::lanes::Lanes;
 use crate::range::Point;
 use crate::vector::{difference, length, unit};
 
@@ -80,13 +77,7 @@ impl ForbiddenBall {
     }
 
     /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
-    pub(super) fn step<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
-        &mut self,
-        bodies: &mut PosedBodies<'_, N, P, Q>,
-    ) -> Result<(), OutOfBudget>
-    where
-        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
-    {
+    pub(super) fn step(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         let at = self.least();
         let DirectionPart { reach, path, seed } = self.parts[at];
         let corners = corners(path);

@@ -3,28 +3,33 @@
 //! The upper bound is the length of a translation after which the exact query finds the bodies to be free. The lower
 //! bound is the radius of a ball of translations that are all forbidden, by balls inside of both bodies.
 
+mod beside_shape;
 mod bodies;
+mod by_queries;
 mod cover;
 mod interval;
 mod packings;
+mod posed_pair;
+mod search;
 mod signed;
 mod way_out;
 
+pub(crate) use by_queries::{ByQueries, depth_along_by, depth_by, half_space_depth};
 pub use interval::DepthInterval;
 pub use packings::Packings;
 pub use signed::SignedDistance;
 
 use super::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
 use super::lanes::Lanes;
-use crate::hierarchy::{AsBvh, with_bvhs};
+use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::pose::Pose;
-use crate::primitive::shape::depth;
+use crate::primitive::shape::{Core, depth};
+use crate::primitive::triangle::distance::TIGHT as TIGHTEST;
 use crate::primitive::{Primitive, Shape, Shapes};
 use crate::range::Point;
+use beside_shape::PosedShape;
 use bodies::PosedBodies;
-use cover::ForbiddenBall;
-use interval::OutOfBudget;
-use way_out::WayOut;
+use search::interval;
 
 impl Query {
     /// How far body `a`, placed by `pose` in the frame of body `b`, has to be translated at least until it is apart from
@@ -68,15 +73,7 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = PosedBodies { query, a, b, pose, packings, stats, hint: self.hint };
-            let mut found = BestBounds { lower: 0.0, way: WayOut::new() };
-            let completion = match search(&mut bodies, &mut found) {
-                Ok(()) => Completion::Complete,
-                Err(OutOfBudget) => Completion::OutOfBudget,
-            };
-            let BestBounds { lower, way: WayOut { upper, translation, .. } } = found;
-            let lower = if lower < upper { lower } else { upper };
-            DepthInterval { lower, upper, translation, completion, stats: bodies.stats }
+            interval(&mut PosedBodies { query, a, b, pose, packings, margin: 0.0, stats, hint: self.hint })
         })
     }
 
@@ -101,7 +98,8 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = PosedBodies { query, a, b, pose, packings: None, stats, hint: Hint::NONE };
+            let mut bodies =
+                PosedBodies { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE };
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })
@@ -122,74 +120,40 @@ impl Query {
     }
 }
 
-/// What a search has found.
-struct BestBounds {
-    lower: f64,
-    way: WayOut,
-}
+/// Bodies of scenes, which meet if they are not farther apart than a margin.
+impl Query {
+    // Not inlined: scenes that ask for no depths should not pay for its stack frame.
+    #[inline(never)]
+    pub(crate) fn depth_within<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        margin: f64,
+    ) -> DepthInterval
+    where
+        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
+    {
+        let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
+        interval(&mut PosedBodies { query, a, b, pose, packings: None, margin, stats, hint: self.hint })
+    }
 
-/// Points that are tried for the first, untranslated place.
-const FIRST_POINTS: usize = 16;
-/// Steps of the lower bound for each direction that is tried for the upper one.
-const STEPS: usize = 4;
-/// Visits of the penetration volume, for its direction.
-const VOLUME_VISITS: u64 = 256;
-/// Bounds as near as this are not refined.
-const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
-
-/// What a search does never depends on how much budget is left, so that more budget only goes on.
-fn search<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
-    bodies: &mut PosedBodies<'_, N, P, Q>,
-    found: &mut BestBounds,
-) -> Result<(), OutOfBudget>
-where
-    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
-{
-    if bodies.is_free(&[0.0; 3])? {
-        found.way.upper = 0.0;
-        return Ok(());
-    }
-    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
-    let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
-    found.lower = cover.lower();
-    let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
-    // The point leaves B, and B's point leaves A.
-    found.way.try_along(&from_b.map(|x| -x), bodies)?;
-    found.way.try_along(&from_a, bodies)?;
-    if let Some(direction) = volume_direction(bodies)? {
-        found.way.try_along(&direction, bodies)?;
-    }
-    while found.lower * TIGHT < found.way.upper {
-        for _ in 0..STEPS {
-            if !cover.is_final {
-                cover.step(bodies)?;
-                found.lower = cover.lower();
-            }
+    /// Of a shape in the tree's frame.
+    #[inline(never)]
+    pub(crate) fn shape_depth_within<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        margin: f64,
+    ) -> DepthInterval
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        if matches!(shape.core(), Core::HalfSpace { .. }) {
+            let distance = |away: &Shape| self.shape_distance(away, tree, TIGHTEST, f64::INFINITY);
+            return half_space_depth(shape, &tree.extent(), margin, distance);
         }
-        if !cover.is_final
-            && let Some(weakest) = cover.weakest()
-        {
-            found.way.try_along(&weakest, bodies)?;
-        }
-        if found.way.is_exhausted() && cover.is_final {
-            break;
-        }
-        found.way.try_next(bodies)?;
+        let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
+        interval(&mut PosedShape { query, shape, tree, margin, stats })
     }
-    Ok(())
-}
-
-/// The direction of the penetration volume of the packings.
-fn volume_direction<N: Lanes, P: Primitive, Q: Primitive>(
-    bodies: &mut PosedBodies<'_, N, P, Q>,
-) -> Result<Option<Point>, OutOfBudget> {
-    let Some(Packings { a, b }) = bodies.packings else { return Ok(None) };
-    let rest = bodies.query.after(&bodies.stats).budget();
-    let few = if rest < VOLUME_VISITS { rest } else { VOLUME_VISITS };
-    let found = bodies.query.with_budget(few).penetration(a, b, bodies.pose);
-    bodies.stats = bodies.stats.and(&found.stats);
-    if found.completion == Completion::OutOfBudget && few < VOLUME_VISITS {
-        return Err(OutOfBudget);
-    }
-    Ok(Some(found.direction))
 }

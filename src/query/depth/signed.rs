@@ -1,10 +1,14 @@
 //! The signed distance: positive where two bodies are apart, minus their depth where they are not.
 
-use super::Packings;
+use super::interval::DepthInterval;
+use super::packings::Packings;
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
 use crate::primitive::Shapes;
-use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict};
+use crate::primitive::shape::{Convex, SignedSeparation, signed_separation};
+use crate::query::entry::{
+    Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
+};
 use crate::query::lanes::Lanes;
 use crate::range::Point;
 use crate::vector::{cross, difference, unit};
@@ -35,6 +39,14 @@ pub struct SignedDistance {
     pub stats: QueryStats,
 }
 
+impl From<SignedSeparation> for SignedDistance {
+    fn from(found: SignedSeparation) -> Self {
+        let (lower, upper) = (found.lower, found.upper);
+        let stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        Self { lower, upper, stats, ..Self::along(found.normal, found.a, found.b) }
+    }
+}
+
 impl Query {
     /// The [distance](Query::distance) of body `a`, placed by `pose` in the frame of body `b`, from `b` where they are
     /// apart, and minus their [depth](Query::depth) where they meet, with its derivative by the pose.
@@ -61,7 +73,13 @@ impl Query {
             let [p, q] = apart.witness.map_or([[0.0; 3]; 2], |witness| [witness.a, witness.b]);
             let normal = unit(&difference(&p, &q)).unwrap_or_default();
             let (lower, upper, completion) = (apart.lower, apart.upper, apart.completion);
-            return Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, p, q) });
+            return Ok(SignedDistance {
+                lower,
+                upper,
+                completion,
+                stats,
+                ..SignedDistance::along(normal, p, q)
+            });
         }
         let depth = self.after(&stats).with_hint(apart.hint).depth(a, b, pose, packings);
         stats = stats.and(&depth.stats);
@@ -79,14 +97,37 @@ impl Query {
         }
         let normal = unit(&depth.translation).unwrap_or_default();
         let (lower, upper) = (-depth.upper, -depth.lower);
-        Ok(SignedDistance { lower, upper, completion, stats, ..Self::along(normal, points[0], points[1]) })
+        Ok(SignedDistance {
+            lower,
+            upper,
+            completion,
+            stats,
+            ..SignedDistance::along(normal, points[0], points[1])
+        })
+    }
+}
+
+impl SignedDistance {
+    /// That of two convex sets in one frame ([`signed_separation`]). `tolerance` is that of the distance and the depth.
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN.
+    pub fn of_convex(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> Result<Self, ToleranceError> {
+        Ok(signed_separation(a, b, checked(tolerance)?).into())
+    }
+
+    /// The depth: zero where the bodies are apart. The translation is along the normal.
+    pub fn depth(&self) -> DepthInterval {
+        let [lower, upper] = [-self.upper, -self.lower].map(|x| if x > 0.0 { x } else { 0.0 });
+        let translation = self.normal.map(|x| if upper > 0.0 { x * upper } else { 0.0 });
+        DepthInterval { lower, upper, translation, completion: self.completion, stats: self.stats }
     }
 
     /// What follows from the normal and the points.
-    fn along(normal: Point, a: Point, b: Point) -> SignedDistance {
+    pub(crate) fn along(normal: Point, a: Point, b: Point) -> Self {
         // A rotation by w moves the point by w x a, and the distance by n . (w x a) = w . (a x n).
         let [[x, y, z], [p, q, r]] = [normal, cross(&a, &normal)];
-        SignedDistance {
+        Self {
             lower: 0.0,
             upper: 0.0,
             normal,

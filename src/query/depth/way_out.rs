@@ -5,12 +5,9 @@
 //! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
 //! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
 
-use super::bodies::PosedBodies;
 use super::interval::OutOfBudget;
+use super::posed_pair::PosedPair;
 use crate::exact::power_of_two;
-use crate::primitive::Shapes;
-use crate::query::entry::PrimitivePair;
-use crate::query::lanes::Lanes;
 use crate::range::Point;
 use crate::vector::{cross, dot, length, unit};
 
@@ -55,13 +52,7 @@ impl WayOut {
     }
 
     /// Tries a fixed direction, or if there are no more, one near the best.
-    pub(super) fn try_next<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
-        &mut self,
-        bodies: &mut PosedBodies<'_, N, P, Q>,
-    ) -> Result<(), OutOfBudget>
-    where
-        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
-    {
+    pub(super) fn try_next(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         if self.fixed < FIXED {
             // The 27 cells of a cube without the middle one.
             let code = self.fixed + usize::from(self.fixed >= 13);
@@ -93,14 +84,11 @@ impl WayOut {
     }
 
     /// Descends along a direction, if the bodies are free there at less than the best translation.
-    pub(super) fn try_along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+    pub(super) fn try_along(
         &mut self,
         direction: &Point,
-        bodies: &mut PosedBodies<'_, N, P, Q>,
-    ) -> Result<(), OutOfBudget>
-    where
-        Shapes: PrimitivePair<P> + PrimitivePair<Q>,
-    {
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
         let Some(along) = unit(direction) else { return Ok(()) };
         let start = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
         let mut t = along.map(|x| x * start);
@@ -139,13 +127,7 @@ impl WayOut {
 }
 
 /// The last hit along a direction, from outside.
-pub(super) fn along<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
-    direction: &Point,
-    bodies: &mut PosedBodies<'_, N, P, Q>,
-) -> Result<f64, OutOfBudget>
-where
-    Shapes: PrimitivePair<P> + PrimitivePair<Q>,
-{
+pub(super) fn along(direction: &Point, bodies: &mut impl PosedPair) -> Result<f64, OutOfBudget> {
     let Some(along) = unit(direction) else { return Ok(f64::INFINITY) };
     let at = |far: f64| along.map(|x| x * far);
     let (mut far, mut best) = (bodies.far(), f64::INFINITY);

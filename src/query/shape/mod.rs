@@ -112,7 +112,7 @@ impl Query {
 
     // Not inlined: scenes without shapes should not pay for its stack frame.
     #[inline(never)]
-    fn shape_within<N: Lanes, Q: Primitive>(
+    pub(in crate::query) fn shape_within<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
         tree: &BvhRef<'_, N, Q>,
@@ -144,7 +144,7 @@ impl Query {
 
     // Not inlined: scenes without shapes should not pay for its stack frame.
     #[inline(never)]
-    fn shape_distance<N: Lanes, Q: Primitive>(
+    pub(in crate::query) fn shape_distance<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
         tree: &BvhRef<'_, N, Q>,

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from .._arrays import Floats
 from .._simdop import Body
-from . import epa
 from .models import BVHModel
 from .objects import CollisionObject, relative
 from .requests import Contact
-from .shapes import Convex, Halfspace, TriangleP
+from .shapes import Convex, TriangleP
 
 
 def find_contacts(o1: CollisionObject, o2: CollisionObject, most: int) -> list[Contact]:
     """At least one contact of two objects that meet. Normals point from the first to the second."""
     if not any(isinstance(o._geometry, Convex) for o in (o1, o2)):
         return _contacts_of_primitives(o1, o2, most)
-    if any(isinstance(o._geometry, Halfspace) for o in (o1, o2)):
-        return [_contact(o1, o2, *_half_space_penetration(o1, o2))]
     if o1._is_mesh() or o2._is_mesh():
         return _contacts_of_triangles(o1, o2, most)
     return [_contact(o1, o2, *_penetration(o1, o2))]
@@ -72,18 +69,9 @@ def _contacts_of_triangles(o1: CollisionObject, o2: CollisionObject, most: int) 
 
 
 def _penetration(o1: CollisionObject, o2: CollisionObject) -> tuple[Floats, Floats, float]:
-    """The point, normal and depth of the contact of two convex sets, of which one is a hull of points."""
-    depth, direction, deepest = epa.depth(o1._support, o2._support)
-    return deepest + 0.5 * depth * direction, -direction, depth
-
-
-def _half_space_penetration(o1: CollisionObject, o2: CollisionObject) -> tuple[Floats, Floats, float]:
-    """The point, normal and depth of the contact of a half-space and a convex solid."""
-    is_first = isinstance(o1._geometry, Halfspace)
-    half_space, solid = (o1, o2) if is_first else (o2, o1)
-    geometry = half_space._geometry
-    assert isinstance(geometry, Halfspace)
-    outwards = half_space._matrix[:3, :3] @ geometry.n
-    deepest = solid._support(-outwards)
-    depth = geometry.d + float(outwards @ half_space._matrix[:3, 3]) - float(outwards @ deepest)
-    return deepest + 0.5 * depth * outwards, outwards if is_first else -outwards, depth
+    """The point, normal and depth of the contact of two convex sets."""
+    found = o1._geometry._body().signed_distance(o2._geometry._body(), relative(o1, o2))
+    depth = max(-float(found.lower), 0.0)
+    rotation, shift = o2._matrix[:3, :3], o2._matrix[:3, 3]
+    out, deepest = rotation @ found.normal, rotation @ found.point_a + shift
+    return deepest + 0.5 * depth * out, -out, depth

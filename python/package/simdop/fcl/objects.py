@@ -55,11 +55,6 @@ class CollisionObject(Posed):
         """Always false."""
         return False
 
-    def _support(self, n: Floats) -> Floats:
-        """The farthest point in the world."""
-        rotation = self._matrix[:3, :3]
-        return rotation @ self._geometry._support(n @ rotation) + self._matrix[:3, 3]
-
     def _add_to(self, scene: Scene) -> int:
         """Add the body to a scene; return its number there."""
         return scene.add(self._geometry._body(), self._matrix)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -175,7 +174,7 @@ class Plane(Halfspace):
 
 
 class Convex(CollisionGeometry):
-    """The convex solid that polygons bound: ``faces`` has each one's number of corners before their indices."""
+    """The hull of vertices; ``faces``, each polygon's number of corners before their indices, are only checked."""
 
     _NODE = NODE_TYPE.GEOM_CONVEX
 
@@ -184,17 +183,14 @@ class Convex(CollisionGeometry):
         self.num_faces = int(num_faces)
         self._vertices: Floats = np.array(vertices, float)
         flat = [int(i) for i in np.asarray(faces).ravel()]
-        triangles, start = [], 0
+        start = 0
         for _ in range(self.num_faces):
             if start >= len(flat) or start + flat[start] >= len(flat):
                 raise ValueError("there are fewer faces than num_faces")
-            corners = flat[start + 1 : start + 1 + flat[start]]
-            triangles += [[corners[0], p, q] for p, q in pairwise(corners[1:])]
             start += 1 + flat[start]
-        self._triangles = np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
     def _make(self) -> Body:
-        return Body(self._vertices, self._triangles, solid=True, build="fast")
+        return Body.hull(self._vertices)
 
     def _support(self, n: Floats) -> Floats:
         point: Floats = self._vertices[int(np.argmax(self._vertices @ n))]

@@ -16,6 +16,10 @@ use crate::vector::dot;
 #[cfg(test)]
 mod tests;
 
+/// Of the polytope that grows towards the boundary.
+const CORNERS: usize = 64;
+const FACES: usize = 128;
+
 /// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
 /// times the upper one, or by rounding, unless round shapes need more than the 128 faces of the search.
 #[must_use]
@@ -65,7 +69,7 @@ fn of_pair(pair: &Operands, radii: [f64; 2], tolerance: f64) -> Depth {
             if -search.lower < upper {
                 (upper, along) = (-search.lower, search.along);
             }
-            if let Some((below, above, axis)) = polytope::depth(pair, corners, tolerance) {
+            if let Some((below, above, axis)) = polytope::depth::<CORNERS, FACES>(pair, corners, tolerance) {
                 lower = lower.max(below);
                 if above < upper {
                     (upper, along) = (above, axis);

@@ -11,6 +11,7 @@ mod depth;
 mod gjk;
 mod goal;
 mod half_space;
+pub(super) mod hulls;
 mod newton;
 mod place;
 mod polytope;

@@ -1,4 +1,4 @@
-//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! The depth of two convex sets: a polytope inside of A - B grows towards the boundary at its nearest face (van den
 //! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
 //!
 //! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
@@ -13,8 +13,26 @@ use super::support::{Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-const FACES: usize = 128;
-const CORNERS: usize = 64;
+/// The difference A - B of two convex sets.
+pub(super) trait ConvexDifference {
+    /// The point of A - B that is farthest against d.
+    fn support(&self, d: &Point) -> Point;
+
+    /// Bounds the error of such a point's product with d, relative to the length of d, and of the choice of the point.
+    fn slack(&self) -> f64;
+}
+
+impl ConvexDifference for Operands {
+    #[inline(always)]
+    fn support(&self, d: &Point) -> Point {
+        self.support(d).0
+    }
+
+    #[inline(always)]
+    fn slack(&self) -> f64 {
+        self.slack
+    }
+}
 
 #[derive(Copy, Clone)]
 struct GrownFace {
@@ -26,66 +44,113 @@ struct GrownFace {
     high: f64,
 }
 
-struct GrownPolytope {
+/// At most 256 corners.
+struct GrownPolytope<const CORNERS: usize, const FACES: usize> {
     corners: [Point; CORNERS],
     faces: [GrownFace; FACES],
     corner_count: usize,
     face_count: usize,
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts
-/// from the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin.
-/// `None` if neither does.
+/// A lower bound of the depth, an upper one, and the direction in which it separates A from B. Starts from the support
+/// points along the axes, or from the corners of a tetrahedron in A - B that contains the origin; `None` if neither
+/// does.
 #[cold]
 #[inline(never)]
-pub(super) fn depth(
-    pair: &Operands,
+pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
+    pair: &impl ConvexDifference,
     corners: Option<[Point; 4]>,
     tolerance: f64,
 ) -> Option<(f64, f64, Point)> {
-    let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
-    let mut polytope =
-        GrownPolytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
-    for i in 0..6 {
+    let mut octahedron = [[0.0; 3]; 6];
+    for (i, corner) in octahedron.iter_mut().enumerate() {
         let mut d = [0.0; 3];
         d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
-        polytope.corners[i] = pair.support(&d).0;
+        *corner = pair.support(&d);
     }
-    for [i, j, k] in [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
-    {
-        polytope.add_face([i, j, k]);
+    let mut polytope = GrownPolytope::<CORNERS, FACES>::octahedron(&octahedron);
+    if polytope.nearest().low <= pair.slack() {
+        polytope = GrownPolytope::tetrahedron(&corners?);
     }
-    if polytope.nearest().low <= pair.slack {
-        let corners = corners?;
-        (polytope.corner_count, polytope.face_count) = (4, 0);
-        polytope.corners[..4].copy_from_slice(&corners);
+    Some(polytope.depth(pair, tolerance))
+}
+
+/// As [`depth`], from the corners of an octahedron in A - B, opposite ones beside each other, of which the first, third
+/// and fifth are a right-handed frame. `None` if it does not contain the origin.
+#[cold]
+#[inline(never)]
+pub(super) fn depth_of_octahedron<const CORNERS: usize, const FACES: usize>(
+    pair: &impl ConvexDifference,
+    corners: &[Point; 6],
+    tolerance: f64,
+) -> Option<(f64, f64, Point)> {
+    let polytope = GrownPolytope::<CORNERS, FACES>::octahedron(corners);
+    (polytope.nearest().low > pair.slack()).then(|| polytope.depth(pair, tolerance))
+}
+
+/// As [`depth`], but from the tetrahedron. It is convex, as the octahedron of a difference with few corners need not
+/// be, and stays so while it grows.
+#[cold]
+#[inline(never)]
+pub(super) fn depth_around<const CORNERS: usize, const FACES: usize>(
+    pair: &impl ConvexDifference,
+    corners: &[Point; 4],
+    tolerance: f64,
+) -> (f64, f64, Point) {
+    GrownPolytope::<CORNERS, FACES>::tetrahedron(corners).depth(pair, tolerance)
+}
+
+impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
+    fn empty(corner_count: usize) -> Self {
+        let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
+        Self { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count, face_count: 0 }
+    }
+
+    fn octahedron(corners: &[Point; 6]) -> Self {
+        let mut polytope = Self::empty(6);
+        polytope.corners[..6].copy_from_slice(corners);
+        for corners in
+            [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
+        {
+            polytope.add_face(corners);
+        }
+        polytope
+    }
+
+    fn tetrahedron(corners: &[Point; 4]) -> Self {
+        let mut polytope = Self::empty(4);
+        polytope.corners[..4].copy_from_slice(corners);
+        // About the origin.
         let volume = dot(&corners[1], &cross(&corners[2], &corners[3]));
         for [i, j, k] in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
             polytope.add_face(if volume > 0.0 { [i, j, k] } else { [i, k, j] });
         }
+        polytope
     }
-    let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
-    loop {
-        let nearest = polytope.nearest();
-        // Otherwise all products of corners and normals are certainly positive.
-        if nearest.low <= pair.slack {
-            break;
-        }
-        lower = lower.max(nearest.low);
-        let d = each(|k| -nearest.normal[k]);
-        let (corner, _) = pair.support(&d);
-        let height = -dot(&d, &corner);
-        if height < upper {
-            (upper, along) = (height, d);
-        }
-        if upper - lower <= (tolerance * upper).max(pair.slack) || !polytope.grow(corner, pair.slack) {
-            break;
-        }
-    }
-    Some((lower - pair.slack, upper + pair.slack, along))
-}
 
-impl GrownPolytope {
+    fn depth(mut self, pair: &impl ConvexDifference, tolerance: f64) -> (f64, f64, Point) {
+        let slack = pair.slack();
+        let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
+        loop {
+            let nearest = self.nearest();
+            // Otherwise all products of corners and normals are certainly positive.
+            if nearest.low <= slack {
+                break;
+            }
+            lower = lower.max(nearest.low);
+            let d = each(|k| -nearest.normal[k]);
+            let corner = pair.support(&d);
+            let height = -dot(&d, &corner);
+            if height < upper {
+                (upper, along) = (height, d);
+            }
+            if upper - lower <= (tolerance * upper).max(slack) || !self.grow(corner, slack) {
+                break;
+            }
+        }
+        (lower - slack, upper + slack, along)
+    }
+
     fn nearest(&self) -> GrownFace {
         let mut best = self.faces[0];
         for face in &self.faces[1..self.face_count] {

@@ -117,6 +117,11 @@ impl Operand {
         (height, ROUNDINGS * 0.5 * f64::EPSILON * size, lowest)
     }
 
+    /// No coordinate of a point, nor of what it is computed from, is larger.
+    pub(super) fn extent(&self) -> f64 {
+        length(&self.origin) + length(&self.shift) + self.reach
+    }
+
     /// A point given from the centre, in the frame of the shapes.
     #[inline(always)]
     pub(super) fn placed(&self, p: &Point) -> Point {

@@ -1,0 +1,275 @@
+//! How deep two bodies are in each other, and their signed distance.
+
+use crate::arrays::{array, numbers, poses, table};
+use crate::batch::{Answers, each};
+use crate::body::PyBody;
+use crate::pair;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use simdop::query::{Completion, DepthInterval, SignedDistance};
+
+/// Found at one pose, or at each of n poses.
+#[derive(Debug)]
+struct Found<T> {
+    found: Vec<T>,
+    is_one: bool,
+}
+
+impl<T> From<Answers<T>> for Found<T> {
+    fn from(answers: Answers<T>) -> Self {
+        match answers {
+            Answers::One(found) => Self { found: vec![found], is_one: true },
+            Answers::Many(found) => Self { found, is_one: false },
+        }
+    }
+}
+
+impl<T> Found<T> {
+    /// A number, or an array of them.
+    fn numbers(&self, py: Python<'_>, number: impl Fn(&T) -> f64) -> PyResult<Py<PyAny>> {
+        if self.is_one {
+            return Ok(number(&self.found[0]).into_pyobject(py)?.into_any().unbind());
+        }
+        Ok(array(py, self.found.iter().map(number).collect()).into_any().unbind())
+    }
+
+    /// K numbers, or an array of them.
+    fn rows<const K: usize>(&self, py: Python<'_>, row: impl Fn(&T) -> [f64; K]) -> PyResult<Py<PyAny>> {
+        if self.is_one {
+            return Ok(array(py, row(&self.found[0]).to_vec()).into_any().unbind());
+        }
+        Ok(table(py, self.found.iter().map(row).collect())?.into_any().unbind())
+    }
+
+    fn truths(&self, py: Python<'_>, truth: impl Fn(&T) -> bool) -> PyResult<Py<PyAny>> {
+        if self.is_one {
+            return Ok(truth(&self.found[0]).into_pyobject(py)?.to_owned().into_any().unbind());
+        }
+        Ok(array(py, self.found.iter().map(truth).collect()).into_any().unbind())
+    }
+
+    fn len(&self, what: &str) -> PyResult<usize> {
+        if self.is_one {
+            return Err(PyTypeError::new_err(format!("the {what} at one pose has no length")));
+        }
+        Ok(self.found.len())
+    }
+
+    fn float(&self, what: &str, number: impl Fn(&T) -> f64) -> PyResult<f64> {
+        if self.is_one {
+            return Ok(number(&self.found[0]));
+        }
+        Err(PyTypeError::new_err(format!("the {what} at several poses is no float")))
+    }
+}
+
+/// How deep two bodies are in each other, at one pose or at each of n poses: the length of the least translation that
+/// takes one out of the other is in ``lower`` to ``upper``.
+///
+/// Of one pose all attributes are numbers and arrays of the shape (3,); of n poses there is one more dimension.
+#[pyclass(frozen, name = "Depth", module = "simdop")]
+#[derive(Debug)]
+pub(crate) struct PyDepth(Found<DepthInterval>);
+
+#[pymethods]
+impl PyDepth {
+    /// Lower bound, in the bodies' unit: after every shorter translation the bodies meet. Zero if they are free, or if
+    /// nothing is known of their insides.
+    #[getter]
+    fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.numbers(py, |found| found.lower)
+    }
+
+    /// Upper bound: the length of ``translation``. Zero if and only if the bodies are free. Infinite if none was found.
+    #[getter]
+    fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.numbers(py, |found| found.upper)
+    }
+
+    /// After this translation of A, in the frame of B, the bodies are free, or touch up to rounding.
+    #[getter]
+    fn translation(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.rows(py, |found| found.translation)
+    }
+
+    /// Whether the search was not cut short by the budget. The bounds are valid in either case.
+    #[getter]
+    fn is_complete(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.truths(py, |found| found.completion == Completion::Complete)
+    }
+
+    fn __len__(&self) -> PyResult<usize> {
+        self.0.len("depth")
+    }
+
+    // A depth is never false.
+    fn __bool__(&self) -> bool {
+        true
+    }
+
+    /// The upper bound.
+    fn __float__(&self) -> PyResult<f64> {
+        self.0.float("depth", |found| found.upper)
+    }
+
+    fn __repr__(&self) -> String {
+        if self.0.is_one {
+            let DepthInterval { lower, upper, translation, .. } = self.0.found[0];
+            return format!("Depth({lower} ..= {upper}, translation {translation:?})");
+        }
+        let most = self.0.found.iter().map(|found| found.upper).fold(0.0, f64::max);
+        format!("Depth(at {} poses, greatest {most})", self.0.found.len())
+    }
+}
+
+/// The distance of two bodies, or minus their depth, at one pose or at each of n poses: it is in ``lower`` to
+/// ``upper``.
+///
+/// Of one pose all attributes are numbers and arrays of the shape (3,) or (6,); of n poses there is one more dimension.
+#[pyclass(frozen, name = "SignedDistance", module = "simdop")]
+#[derive(Debug)]
+pub(crate) struct PySignedDistance(Found<SignedDistance>);
+
+#[pymethods]
+impl PySignedDistance {
+    /// Lower bound, in the bodies' unit: of bodies that meet, minus the upper bound of their depth.
+    #[getter]
+    fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.numbers(py, |found| found.lower)
+    }
+
+    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    #[getter]
+    fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.numbers(py, |found| found.upper)
+    }
+
+    /// The unit vector along which a translation of A raises the distance the fastest, in the frame of B. Zeros if none
+    /// is known.
+    #[getter]
+    fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.rows(py, |found| found.normal)
+    }
+
+    /// The point of A, in the frame of B: the nearest to B, or the one that touches B last when A leaves it along the
+    /// normal.
+    #[getter]
+    fn point_a(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.rows(py, |found| found.a)
+    }
+
+    /// The point of B.
+    #[getter]
+    fn point_b(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.rows(py, |found| found.b)
+    }
+
+    /// The derivative by the pose: three numbers for a translation of A along the axes of B, then three for a rotation
+    /// of A about them, through the origin of B, per radian. Of bodies that meet it is that of ``lower``.
+    #[getter]
+    fn gradient(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.0.rows(py, |found| found.gradient)
+    }
+
+    fn __len__(&self) -> PyResult<usize> {
+        self.0.len("signed distance")
+    }
+
+    // A distance is never false.
+    fn __bool__(&self) -> bool {
+        true
+    }
+
+    /// The upper bound of a distance; the lower bound where the bodies meet, which is minus the length of a translation
+    /// that takes them apart.
+    fn __float__(&self) -> PyResult<f64> {
+        self.0.float("signed distance", |found| if found.upper > 0.0 { found.upper } else { found.lower })
+    }
+
+    fn __repr__(&self) -> String {
+        if self.0.is_one {
+            let SignedDistance { lower, upper, normal, .. } = self.0.found[0];
+            return format!("SignedDistance({lower} ..= {upper}, normal {normal:?})");
+        }
+        let least = self.0.found.iter().map(|found| found.lower).fold(f64::INFINITY, f64::min);
+        format!("SignedDistance(at {} poses, least {least})", self.0.found.len())
+    }
+}
+
+#[pymethods]
+impl PyBody {
+    /// How deep this body, placed by ``pose`` in the frame of ``other``, is in it: the least translation that takes it
+    /// out, as an interval.
+    ///
+    /// Of two shapes or hulls, and of a half-space and any body, it is known to rounding. Of solid meshes the interval
+    /// is certain: a translation after which they are free, and the radius of a ball of translations after which they
+    /// are not. Of a surface, spheres, several shapes or a cloud, nothing is known of the inside: the lower bound is 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// other : Body
+    /// pose : (4, 4) or (n, 4, 4) array, by default the identity
+    /// budget : int, optional
+    ///     The most visits of a search, which some 1,000 of in a millisecond; without it the search ends by itself.
+    /// threads : int
+    ///     For n poses; 0 for one per core.
+    ///
+    /// Raises
+    /// ------
+    /// ``BodyError`` for two clouds; ``ArrayError``, ``PoseError``, ``TypeError``
+    #[pyo3(signature = (other, pose = None, *, budget = None, threads = 1))]
+    fn depth(
+        &self,
+        py: Python<'_>,
+        other: &Self,
+        pose: Option<&Bound<'_, PyAny>>,
+        budget: Option<u64>,
+        threads: usize,
+    ) -> PyResult<PyDepth> {
+        let poses = poses(pose, "pose")?;
+        let query = pair::query_within(budget);
+        let found = each(py, &poses, threads, |pose| pair::depth(&query, &self.0, &other.0, pose))?;
+        Ok(PyDepth(found.into()))
+    }
+
+    /// How far this body, placed by ``pose`` in the frame of ``other``, has to move along ``direction``, (3,), until it
+    /// has left it for good: a float, or for n poses an array of n.
+    ///
+    /// An upper bound, which exceeds the least such translation by at most about 2^-30 of it. Zero for bodies that are
+    /// free, infinite if the direction is zero.
+    #[pyo3(signature = (other, direction, pose = None, *, threads = 1))]
+    fn depth_along(
+        &self,
+        py: Python<'_>,
+        other: &Self,
+        direction: &Bound<'_, PyAny>,
+        pose: Option<&Bound<'_, PyAny>>,
+        threads: usize,
+    ) -> PyResult<Py<PyAny>> {
+        let (poses, direction) = (poses(pose, "pose")?, numbers(direction, "direction")?);
+        let (a, b) = (self.0.view(), other.0.view());
+        let found = each(py, &poses, threads, |pose| pair::depth_along(&a, &b, pose, direction))?;
+        Found::from(found).numbers(py, |depth| *depth)
+    }
+
+    /// The distance of this body, placed by ``pose`` in the frame of ``other``, from it where they are apart, and minus
+    /// their ``depth`` where they meet, with its derivative by the pose.
+    ///
+    /// ``tolerance`` limits the gap of the bounds of a distance relative to it, and of the depth of hulls and shapes;
+    /// ``budget`` is that of ``depth``. Raises ``ToleranceError``, or as ``depth``.
+    #[pyo3(signature = (other, pose = None, *, tolerance = 0.0, budget = None, threads = 1))]
+    fn signed_distance(
+        &self,
+        py: Python<'_>,
+        other: &Self,
+        pose: Option<&Bound<'_, PyAny>>,
+        tolerance: f64,
+        budget: Option<u64>,
+        threads: usize,
+    ) -> PyResult<PySignedDistance> {
+        let poses = poses(pose, "pose")?;
+        let query = pair::query_within(budget);
+        let ask = |pose: &_| pair::signed_distance(&query, &self.0, &other.0, pose, tolerance);
+        Ok(PySignedDistance(each(py, &poses, threads, ask)?.into()))
+    }
+}

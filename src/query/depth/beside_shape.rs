@@ -1,0 +1,137 @@
+//! A shape and a tree, as a search for a depth asks them.
+//!
+//! A ball about a point inside of a convex shape is as large as the point's depth in it.
+
+use super::bodies::{ROUGH, slack};
+use super::interval::OutOfBudget;
+use super::posed_pair::{PosedPair, Shared, widened};
+use crate::hierarchy::BvhRef;
+use crate::pose::Pose;
+use crate::primitive::shape::{Core, depth, hull_of};
+use crate::primitive::{Primitive, Shape, Shapes};
+use crate::query::entry::{Completion, PrimitivePair, Query, QueryStats, Verdict};
+use crate::query::lanes::Lanes;
+use crate::range::{MAX_COORDINATE, Point};
+use crate::vector::{difference, length, unit};
+
+/// Of a ball inside of a shape.
+const TOLERANCE: f64 = crate::exact::power_of_two(-20);
+
+pub(super) struct PosedShape<'t, N: Lanes, Q: Primitive> {
+    pub(super) query: Query,
+    /// In the tree's frame, and bounded.
+    pub(super) shape: &'t Shape,
+    pub(super) tree: &'t BvhRef<'t, N, Q>,
+    /// The bodies meet if they are not farther apart.
+    pub(super) margin: f64,
+    pub(super) stats: QueryStats,
+}
+
+/// The shape after a translation; `None` if it is out of range.
+pub(super) fn translated(shape: &Shape, t: &Point) -> Option<Shape> {
+    let moved = shape.moved(&Pose::IDENTITY.shifted(t));
+    let is_in_range = |p: &Point| p.iter().all(|x| x.abs() <= MAX_COORDINATE);
+    (is_in_range(t) && is_in_range(&Shapes::point(&moved))).then_some(moved)
+}
+
+impl<N: Lanes, Q: Primitive> PosedShape<'_, N, Q>
+where
+    Shapes: PrimitivePair<Q>,
+{
+    /// The centre of a ball around the shape, its radius, and a bound of its coordinates.
+    fn ball(&self) -> (Point, f64, f64) {
+        let (corners, radius) = hull_of(self.shape);
+        let centre = Shapes::point(self.shape);
+        let reach = corners.map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max) + radius;
+        (centre, reach, length(&centre) + reach)
+    }
+
+    /// The balls about a point of the shape before the translation.
+    fn shared(
+        &mut self,
+        point: &Point,
+        t: &Point,
+        is_unknown: [bool; 2],
+    ) -> Result<Option<Shared>, OutOfBudget> {
+        let of_shape = depth(&Shape::unchecked(Core::Point(*point), 0.0), self.shape, TOLERANCE);
+        let moved = core::array::from_fn(|i| point[i] + t[i]);
+        let Some(in_b) = self.query.inside(self.tree, &moved, is_unknown[1], &mut self.stats)? else {
+            return Ok(None);
+        };
+        let Some(from_b) = unit(&difference(&in_b.a, &in_b.b)).filter(|_| of_shape.lower > 0.0) else {
+            return Ok(None);
+        };
+        let from_a = of_shape.direction.map(|x| -x);
+        let slack = slack(self.ball().2 + self.tree.extent().max_coordinate, t);
+        Ok(Some(Shared {
+            radius: of_shape.lower + in_b.lower - slack,
+            point: *point,
+            inwards: [from_b, from_a],
+            radii: [of_shape.lower - slack, in_b.lower - slack],
+        }))
+    }
+}
+
+impl<N: Lanes, Q: Primitive> PosedPair for PosedShape<'_, N, Q>
+where
+    Shapes: PrimitivePair<Q>,
+{
+    fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
+        let Some(shape) = translated(self.shape, t) else { return Ok(false) };
+        let answer = self.query.after(&self.stats).shape_within(&shape, self.tree, self.margin);
+        self.stats = self.stats.and(&answer.stats);
+        match answer.verdict {
+            Verdict::Free => Ok(true),
+            Verdict::Hit(_) => Ok(false),
+            Verdict::Unknown { .. } => Err(OutOfBudget),
+        }
+    }
+
+    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+        let Some(shape) = translated(self.shape, t) else { return Ok(None) };
+        let found = self.query.after(&self.stats).shape_distance(&shape, self.tree, ROUGH, f64::INFINITY);
+        self.stats = self.stats.and(&found.stats);
+        if found.completion != Completion::Complete {
+            return Err(OutOfBudget);
+        }
+        let gap = found.lower - self.margin;
+        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
+        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+    }
+
+    fn far(&self) -> f64 {
+        let (centre, reach, _) = self.ball();
+        let tree = self.tree.extent();
+        let apart = length(&difference(&centre, &tree.frame.centre));
+        1.01 * (reach + tree.radius + apart + self.margin)
+    }
+
+    fn forbidden(
+        &mut self,
+        t: &Point,
+        seed: Option<Point>,
+        steps: usize,
+    ) -> Result<(f64, Option<Shared>), OutOfBudget> {
+        if !self.tree.is_solid() {
+            return Ok((0.0, None));
+        }
+        let (centre, ..) = self.ball();
+        let back = difference(&self.tree.extent().frame.centre, t);
+        let middle = core::array::from_fn(|i| 0.5 * (centre[i] + back[i]));
+        let mut best: Option<Shared> = None;
+        for point in [seed, Some(centre), Some(middle)].into_iter().flatten() {
+            if let Some(found) = self.shared(&point, t, [true; 2])?
+                && best.is_none_or(|best| found.radius > best.radius)
+            {
+                best = Some(found);
+            }
+        }
+        let Some(start) = best else { return Ok((0.0, None)) };
+        let found = widened(start, steps, |v| *v, |point, is_unknown| self.shared(point, t, is_unknown))?;
+        Ok((found.radius + self.margin, Some(found)))
+    }
+
+    fn stats(&self) -> QueryStats {
+        self.stats
+    }
+}

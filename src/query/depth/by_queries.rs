@@ -1,0 +1,124 @@
+//! Bodies of which only the queries are known, such as a cloud and a shape; and half-spaces.
+
+use super::beside_shape::translated;
+use super::bodies::{ROUGH, slack};
+use super::interval::{DepthInterval, OutOfBudget};
+use super::posed_pair::{PosedPair, Shared};
+use super::search::interval;
+use super::way_out;
+use crate::frame::BodyBounds;
+use crate::primitive::Shape;
+use crate::primitive::shape::Core;
+use crate::query::distance::Distance;
+use crate::query::entry::{Answer, Completion, Query, QueryStats, Verdict};
+use crate::range::Point;
+use crate::vector::{difference, dot, length, unit};
+
+/// Two bodies by their queries after a translation, each with what is left of the budget. The distance has the
+/// tolerance given.
+pub(crate) struct ByQueries<W, D> {
+    pub(crate) query: Query,
+    /// Whether the bodies come within the margin.
+    pub(crate) within: W,
+    pub(crate) distance: D,
+    pub(crate) margin: f64,
+    /// A translation that is enough in any direction.
+    pub(crate) far: f64,
+    pub(crate) stats: QueryStats,
+}
+
+impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -> Option<Distance>> PosedPair
+    for ByQueries<W, D>
+{
+    fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
+        let Some(answer) = (self.within)(&self.query.after(&self.stats), t) else { return Ok(false) };
+        self.stats = self.stats.and(&answer.stats);
+        match answer.verdict {
+            Verdict::Free => Ok(true),
+            Verdict::Hit(_) => Ok(false),
+            Verdict::Unknown { .. } => Err(OutOfBudget),
+        }
+    }
+
+    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+        let Some(found) = (self.distance)(&self.query.after(&self.stats), t, ROUGH) else { return Ok(None) };
+        self.stats = self.stats.and(&found.stats);
+        if found.completion != Completion::Complete {
+            return Err(OutOfBudget);
+        }
+        let gap = found.lower - self.margin;
+        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
+        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+    }
+
+    fn far(&self) -> f64 {
+        self.far
+    }
+
+    fn forbidden(
+        &mut self,
+        _: &Point,
+        _: Option<Point>,
+        _: usize,
+    ) -> Result<(f64, Option<Shared>), OutOfBudget> {
+        Ok((0.0, None))
+    }
+
+    fn stats(&self) -> QueryStats {
+        self.stats
+    }
+}
+
+/// [`Query::depth`] of bodies known by their queries; the lower bound is 0.
+pub(crate) fn depth_by<W, D>(bodies: &mut ByQueries<W, D>) -> DepthInterval
+where
+    W: FnMut(&Query, &Point) -> Option<Answer>,
+    D: FnMut(&Query, &Point, f64) -> Option<Distance>,
+{
+    interval(bodies)
+}
+
+/// [`Query::depth_along`] of bodies known by their queries.
+pub(crate) fn depth_along_by<W, D>(bodies: &mut ByQueries<W, D>, direction: &Point) -> f64
+where
+    W: FnMut(&Query, &Point) -> Option<Answer>,
+    D: FnMut(&Query, &Point, f64) -> Option<Distance>,
+{
+    way_out::along(direction, bodies).unwrap_or(f64::INFINITY)
+}
+
+/// A half-space leaves a body the shortest way against its normal: as far as it has to go is what it lacks of being far
+/// away. `distance` is that of a half-space from the body, with the least tolerance.
+pub(crate) fn half_space_depth(
+    half_space: &Shape,
+    body: &BodyBounds,
+    margin: f64,
+    distance: impl FnOnce(&Shape) -> Distance,
+) -> DepthInterval {
+    let unknown = |stats| DepthInterval {
+        lower: 0.0,
+        upper: f64::INFINITY,
+        translation: [0.0; 3],
+        completion: Completion::OutOfBudget,
+        stats,
+    };
+    let Core::HalfSpace { normal, offset } = *half_space.core() else {
+        return unknown(QueryStats::default());
+    };
+    let long = length(&normal);
+    let out = normal.map(|x| -x / long);
+    // How deep the ball around the body is.
+    let deep = (offset - dot(&normal, &body.frame.centre)) / long + half_space.radius() + body.radius;
+    let far = 1.01 * (f64::max(deep, 0.0) + margin) + body.radius;
+    let step = out.map(|x| x * far);
+    let Some(away) = translated(half_space, &step) else { return unknown(QueryStats::default()) };
+    let found = distance(&away);
+    if found.completion != Completion::Complete {
+        return unknown(found.stats);
+    }
+    let slack = 2.0 * slack(body.max_coordinate + offset.abs() + half_space.radius() + far, &step);
+    let (lower, upper) = ((far - found.upper) + margin - slack, (far - found.lower) + margin + slack);
+    let (lower, upper) = (f64::max(lower, 0.0), f64::max(upper, 0.0));
+    let (translation, stats) = (out.map(|x| x * upper), found.stats);
+    DepthInterval { lower, upper, translation, completion: Completion::Complete, stats }
+}

@@ -1,0 +1,68 @@
+//! The search for both bounds of a depth.
+
+use super::cover::ForbiddenBall;
+use super::interval::{DepthInterval, OutOfBudget};
+use super::posed_pair::PosedPair;
+use super::way_out::WayOut;
+use crate::query::entry::Completion;
+
+/// Both bounds of the depth of a pair.
+pub(super) fn interval(bodies: &mut impl PosedPair) -> DepthInterval {
+    let mut found = BestBounds { lower: 0.0, way: WayOut::new() };
+    let completion = match search(bodies, &mut found) {
+        Ok(()) => Completion::Complete,
+        Err(OutOfBudget) => Completion::OutOfBudget,
+    };
+    let BestBounds { lower, way: WayOut { upper, translation, .. } } = found;
+    let lower = if lower < upper { lower } else { upper };
+    DepthInterval { lower, upper, translation, completion, stats: bodies.stats() }
+}
+
+/// What a search has found.
+struct BestBounds {
+    lower: f64,
+    way: WayOut,
+}
+
+/// Points that are tried for the first, untranslated place.
+const FIRST_POINTS: usize = 16;
+/// Steps of the lower bound for each direction that is tried for the upper one.
+const STEPS: usize = 4;
+/// Bounds as near as this are not refined.
+const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
+
+/// What a search does never depends on how much budget is left, so that more budget only goes on.
+fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), OutOfBudget> {
+    if bodies.is_free(&[0.0; 3])? {
+        found.way.upper = 0.0;
+        return Ok(());
+    }
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
+    let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
+    found.lower = cover.lower();
+    let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
+    // The point leaves B, and B's point leaves A.
+    found.way.try_along(&from_b.map(|x| -x), bodies)?;
+    found.way.try_along(&from_a, bodies)?;
+    if let Some(direction) = bodies.likely_direction()? {
+        found.way.try_along(&direction, bodies)?;
+    }
+    while found.lower * TIGHT < found.way.upper {
+        for _ in 0..STEPS {
+            if !cover.is_final {
+                cover.step(bodies)?;
+                found.lower = cover.lower();
+            }
+        }
+        if !cover.is_final
+            && let Some(weakest) = cover.weakest()
+        {
+            found.way.try_along(&weakest, bodies)?;
+        }
+        if found.way.is_exhausted() && cover.is_final {
+            break;
+        }
+        found.way.try_next(bodies)?;
+    }
+    Ok(())
+}
