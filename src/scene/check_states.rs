@@ -1,14 +1,12 @@
 //! Many configurations at once: which of them are free?
 //!
-//! The boxes of sixteen configurations are compared at a time, one in each lane, and then the shapes, of a body that is
-//! one and moves, and of a body that is one and stands still. The near pairs that are left are tested one by one, the
-//! deepest of each configuration first, until two bodies of the configuration meet.
+//! The boxes of sixteen configurations are compared at a time, one in each lane. Near pairs are then tested one by one,
+//! the deepest of each configuration first, until two bodies of the configuration meet.
 
-use super::body::{BodyId, BodyTree};
+use super::body::BodyId;
 use super::broad::{NearPair, depth, insert_by_depth};
 use super::error::SceneError;
 use super::placement::{self, Scene};
-use super::solid_lanes::ShapeLanes;
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3};
@@ -140,9 +138,6 @@ struct Sixteen<'s, 't, 'c, N> {
 
 /// Capacity of each configuration's list of pairs.
 const WAITING: usize = 16;
-/// The shapes of sixteen configurations are compared at once if the boxes of as many are near: for fewer, this takes
-/// longer.
-const MANY: u32 = 4;
 
 /// Near pairs, the deepest of each configuration first, and where the search continues.
 struct NearLanes {
@@ -154,12 +149,6 @@ struct NearLanes {
     rest: u16,
     /// Lanes left of the first of these bodies.
     lanes: u16,
-    /// The shapes of the body of the row, once they are needed.
-    shapes: Option<ShapeLanes>,
-    /// Lanes whose shapes meet.
-    met: u16,
-    /// Number of pairs decided by their shapes.
-    decided: u64,
 }
 
 impl NearLanes {
@@ -172,9 +161,6 @@ impl NearLanes {
             sixteen: 0,
             rest: u16::MAX,
             lanes: u16::MAX,
-            shapes: None,
-            met: 0,
-            decided: 0,
         }
     }
 }
@@ -191,17 +177,10 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
                 #[inline(always)]
                 || self.gather(kernel, &mut near, free),
             ));
-            free &= !near.met;
-            let decided = core::mem::take(&mut near.decided);
-            answer.pairs += decided;
-            answer.stats.primitive_pairs += decided;
             if near.len == [0; 16] {
                 return Ok(free);
             }
             for lane in 0..lanes {
-                if free >> lane & 1 == 0 {
-                    continue;
-                }
                 for pair in &near.pairs[lane][..near.len[lane]] {
                     let [mut a, mut b] = [Pose::IDENTITY; 2];
                     let a = self.world(pair.a as usize, lane, &mut a)?;
@@ -266,10 +245,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
                 let mut asked = memory.row(near.row, near.sixteen) & near.rest;
                 while asked != 0 {
                     let (a, b) = (near.row, 16 * near.sixteen + asked.trailing_zeros() as usize);
-                    let mut lanes = near.lanes & free & !near.met & self.overlapping(kernel, a, b);
-                    if lanes.count_ones() >= MANY {
-                        lanes = self.undecided(kernel, near, b, lanes);
-                    }
+                    let mut lanes = near.lanes & free & self.overlapping(kernel, a, b);
                     while lanes != 0 {
                         let lane = lanes.trailing_zeros() as usize;
                         if near.len[lane] == WAITING {
@@ -289,33 +265,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
             }
             near.sixteen = 0;
             near.row += 1;
-            near.shapes = None;
         }
-    }
-
-    /// The lanes in which a body of the row and body `b` are not decided by their shapes.
-    #[inline(never)]
-    fn undecided(&self, kernel: impl Kernel, near: &mut NearLanes, b: usize, lanes: u16) -> u16 {
-        let [moving, still] = [near.row, b].map(|i| &self.scene.memory.slots[i]);
-        let (Some(_), None) = (moving.carrier, still.carrier) else { return lanes };
-        let (Some(body), Some(other)) = (&moving.body, &still.body) else { return lanes };
-        let (BodyTree::Shape(shape), BodyTree::Shape(of_other)) = (&body.tree, &other.tree) else {
-            return lanes;
-        };
-        let row = near.row;
-        let shapes = near.shapes.get_or_insert_with(|| {
-            let count = self.poses.len() / self.moving;
-            let at = |lane| {
-                let mut composed = Pose::IDENTITY;
-                self.world(row, lane, &mut composed).ok().copied()
-            };
-            ShapeLanes::new(shape, (0..count).map(at))
-        });
-        let found = shapes.decide(kernel, &of_other.moved(&still.world), body.radius + other.radius);
-        let certain = lanes & (found.apart | found.within);
-        near.met |= lanes & found.within;
-        near.decided += u64::from(certain.count_ones());
-        lanes & !certain
     }
 
     #[inline(always)]

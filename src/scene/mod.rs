@@ -48,7 +48,6 @@ mod error;
 mod memory;
 mod pairs;
 mod placement;
-mod solid_lanes;
 mod two_bodies;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
