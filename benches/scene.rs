@@ -7,6 +7,7 @@
 //! * *Pairs*: every pair is queried at its relative pose, without boxes, until one hits. The verdicts of both are
 //!   compared first.
 //! * *At once*: 256 random configurations of each problem, one by one, and all by one call, on one thread and on all.
+//! * *Shapes*: the obstacles as shapes instead of prisms, and the links alone.
 //! * *Sphere models*: the same configurations with the published spheres of the robot instead of its meshes; their
 //!   wrong verdicts are counted.
 //! * *Covers*: spheres that cover the links are tested first, and the meshes where these hit: the same verdicts, also
@@ -92,7 +93,8 @@ fn run(data: &Path, setting: &Setting) {
         .collect();
     let mut worlds: Vec<World<'_>> = Vec::new();
     for (problem, trees) in problems.iter().zip(&obstacles) {
-        let (scene, ids) = scene_of(links.iter().map(|link| link.view().into()), &robot, trees, problem);
+        let (scene, ids) =
+            scene_of(links.iter().map(|link| link.view().into()), &robot, views(trees), problem);
         let placed =
             trees.iter().zip(&problem.obstacles).map(|(tree, obstacle)| (tree, obstacle.at)).collect();
         let poses = problem.poses.iter().map(|at| at.iter().map(pose).collect()).collect();
@@ -164,10 +166,11 @@ fn run(data: &Path, setting: &Setting) {
     show!("* {}", same_pairs(&robot, &links, &worlds, &query));
     covers_of_all_errors(&robot, &mut worlds, &problems, &obstacles, &query);
     at_once(&robot, &mut worlds, &query);
+    among_shapes(&robot, &links, &problems, &obstacles, &query);
     if !setting.is_drawn {
         let models = sphere_models(data, setting, &robot);
         let scenes = problems.iter().zip(&obstacles).map(|(problem, trees)| {
-            scene_of(models.iter().map(|model| model.view().into()), &robot, trees, problem)
+            scene_of(models.iter().map(|model| model.view().into()), &robot, views(trees), problem)
         });
         by_spheres(&robot, &mut worlds, scenes, &query);
     }
@@ -231,7 +234,7 @@ fn same_pairs(robot: &Robot, links: &[Tree], worlds: &[World<'_>], query: &Query
 fn scene_of<'t>(
     links: impl Iterator<Item = BodyTree<'t, Node16<18>>>,
     robot: &Robot,
-    obstacles: &'t [Tree],
+    obstacles: impl Iterator<Item = BodyTree<'t, Node16<18>>>,
     problem: &Problem,
 ) -> (Scene<'t, Node16<18>>, Vec<BodyId>) {
     let mut scene = Scene::new();
@@ -246,10 +249,56 @@ fn scene_of<'t>(
             };
         }
     }
-    for (tree, obstacle) in obstacles.iter().zip(&problem.obstacles) {
-        let _ = scene.insert(Body::new(tree.view()).fixed(), &pose(&obstacle.at)).unwrap();
+    for (tree, obstacle) in obstacles.zip(&problem.obstacles) {
+        let _ = scene.insert(Body::new(tree).fixed(), &pose(&obstacle.at)).unwrap();
     }
     (scene, ids)
+}
+
+fn views(trees: &[Tree]) -> impl Iterator<Item = BodyTree<'_, Node16<18>>> {
+    trees.iter().map(|tree| tree.view().into())
+}
+
+/// The cost of a configuration among the obstacles as prisms, as shapes, and without obstacles, for contact and for
+/// 20 mm; the least of all passes, in which the three take turns.
+fn among_shapes(robot: &Robot, links: &[Tree], problems: &[Problem], obstacles: &[Vec<Tree>], query: &Query) {
+    const MARGINS: [f64; 2] = [0.0, 0.02];
+    let (mut sums, mut asked, mut differ) = ([[0.0; 2]; 3], 0, 0);
+    for (problem, trees) in problems.iter().zip(obstacles) {
+        let shapes = problem.obstacles.iter().map(|obstacle| obstacle.shape.shape().into());
+        let mut scenes = [
+            scene_of(views(links), robot, views(trees), problem),
+            scene_of(views(links), robot, shapes, problem),
+            scene_of(views(links), robot, core::iter::empty(), problem),
+        ];
+        for at in &problem.poses {
+            let poses: Vec<Pose> = at.iter().map(pose).collect();
+            let (mut best, mut free) = ([[f64::INFINITY; 2]; 3], [false; 3]);
+            for _ in 0..count(15, 1) {
+                for (((scene, ids), best), free) in scenes.iter_mut().zip(&mut best).zip(&mut free) {
+                    for (margin, best) in MARGINS.into_iter().zip(best) {
+                        let start = Instant::now();
+                        for (&id, pose) in ids.iter().zip(&poses) {
+                            scene.place(id, pose).unwrap();
+                        }
+                        let is_free = black_box(scene.within(query, margin).unwrap().is_free());
+                        *best = best.min(start.elapsed().as_secs_f64() * 1e6);
+                        *free |= is_free && margin == 0.0;
+                    }
+                }
+            }
+            asked += 1;
+            differ += u32::from(free[0] != free[1]);
+            for (sums, best) in sums.as_flattened_mut().iter_mut().zip(best.as_flattened()) {
+                *sums += best;
+            }
+        }
+    }
+    let [[p, p_20], [s, s_20], [n, n_20]] = sums.map(|sums| sums.map(|sum| sum / f64::from(asked)));
+    show!(
+        "* obstacles as prisms {p:.2}, as shapes {s:.2}, none {n:.2}; at 20 mm {p_20:.2} {s_20:.2} {n_20:.2}; {differ} \
+         verdicts of prisms and shapes differ"
+    );
 }
 
 /// The published spheres of each link, in the frame of its mesh. They do not cover it.
@@ -336,7 +385,7 @@ fn covers_of_all_errors(
     for error in ERRORS {
         let covers: Vec<_> = robot.links.iter().map(|link| cover(&link.mesh, error)).collect();
         let scenes = problems.iter().zip(obstacles).map(|(problem, trees)| {
-            scene_of(covers.iter().map(|cover| cover.view().into()), robot, trees, problem)
+            scene_of(covers.iter().map(|cover| cover.view().into()), robot, views(trees), problem)
         });
         let spheres: usize = covers.iter().map(|cover| cover.view().len()).sum();
         show!("* covers of {} mm, {spheres} spheres: {}", 1e3 * error, covers_first(worlds, scenes, query));

@@ -60,7 +60,8 @@ impl Batch {
                         #[inline(always)]
                         || {
                             let bounds = memory.bounds(self.row);
-                            (bounds, widened(&bounds, margin))
+                            // Boxes are rounded outwards already.
+                            (bounds, if margin > 0.0 { widened(&bounds, margin) } else { bounds })
                         },
                     );
                     let mut near = asked & kernel.boxes_near(&around, 0.0, &memory.boxes[self.sixteen]);

@@ -8,7 +8,7 @@ use crate::trees::{half_space, mesh, set, shape};
 use simdop::cloud::PointCloud;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::node::Node16;
+use simdop::node::{Aabb16, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::shape::{Core, meets, separation};
 use simdop::primitive::{Shape, Shapes};
@@ -129,4 +129,90 @@ fn scenes_are_those_of_pairs_in_the_world() {
         assert!(answers.iter().all(|answer| *answer == answers[0]), "{answers:?}");
     }
     assert!(hits > 100 && frees > 100 && apart > 50, "{hits} {frees} {apart}");
+}
+
+/// Many configurations of three moving shapes, the last of which carries another, among 18 that stand still.
+#[test]
+fn configurations_of_shapes_are_those_of_pairs_in_the_world() {
+    const COUNT: usize = 40;
+    let mut rng = Rng::new(22);
+    let (mut hits, mut frees, mut pairs) = (0, 0, 0);
+    for round in 0..30 {
+        let mut one = || {
+            let [p, q, r] = [(); 3].map(|()| rng.range(0.2, 1.0));
+            let shape = match rng.below(5) {
+                0 => Shape::sphere(0.5 * p),
+                1 => Shape::capsule(0.5 * p, q),
+                2 => Shape::cuboid([p, q, r]),
+                3 => Shape::cylinder(p, 0.5 * q),
+                _ => Shape::cone(p, q),
+            };
+            shape.unwrap()
+        };
+        let moving: Vec<Shape> = (0..4).map(|_| one()).collect();
+        let still: Vec<Shape> = (0..18).map(|_| one()).collect();
+        let radius = [0.0, 0.05][round % 2];
+        let at: Vec<Pose> =
+            still.iter().map(|_| pose(&rng.rotation(), random_point(&mut rng, [3.0, 6.0]))).collect();
+        let held = pose(&rng.rotation(), [0.3, 0.2, 0.1]);
+        let mut scene = Scene::<Node>::new();
+        let body = |shape: &Shape| Body::new(BodyTree::from(*shape)).with_radius(radius);
+        let ids: Vec<_> = moving.iter().map(|s| scene.insert(body(s), &Pose::IDENTITY).unwrap()).collect();
+        scene.place(ids[3], &held).unwrap();
+        for i in 0..4 {
+            for j in 0..i {
+                scene.allow_collision(ids[i], ids[j]).unwrap();
+            }
+        }
+        scene.attach(ids[3], ids[2]).unwrap();
+        for (i, (shape, at)) in still.iter().zip(&at).enumerate() {
+            let body = if i % 2 == 0 { body(shape).fixed() } else { body(shape) };
+            scene.insert(body, at).unwrap();
+        }
+        for (i, &id) in scene.ids().collect::<Vec<_>>()[4..].iter().enumerate() {
+            for &other in &scene.ids().collect::<Vec<_>>()[4..][..i] {
+                scene.allow_collision(id, other).unwrap();
+            }
+        }
+        let middle = random_point(&mut rng, [2.0]);
+        let poses: Vec<Pose> = (0..3 * COUNT)
+            .map(|_| {
+                let off = random_point(&mut rng, [0.3, 2.0]);
+                pose(&rng.rotation(), core::array::from_fn(|i| middle[i] + off[i]))
+            })
+            .collect();
+        let still: Vec<Shape> =
+            still.iter().zip(&at).map(|(shape, at)| shape.moved(at).widened(2.0 * radius).unwrap()).collect();
+        // Whether two certainly meet, and how far apart they at least are.
+        let truth: Vec<(bool, f64)> = poses
+            .chunks(3)
+            .map(|poses| {
+                let [a, b, c] = [0, 1, 2].map(|i| moving[i].moved(&poses[i]));
+                let d = moving[3].moved(&poses[2].compose(&held).unwrap());
+                let mut lower = f64::INFINITY;
+                for (p, q) in [a, b, c, d].iter().flat_map(|p| still.iter().map(move |q| (p, q))) {
+                    if let Some(found) = separation(p, q, lower, 1e-6) {
+                        lower = lower.min(if meets(p, q) { -1.0 } else { found.lower });
+                    }
+                }
+                (lower < 0.0, lower)
+            })
+            .collect();
+        let mut first = None;
+        for isa in Isa::available() {
+            let (mut boxes, mut words) = (vec![Aabb16::EMPTY; scene.room()], [0; COUNT.div_ceil(16)]);
+            let answer =
+                scene.check_states(&Query::new(isa), &ids[..3], &poses, &mut boxes, &mut words).unwrap();
+            assert_eq!(*first.get_or_insert((answer, words)), (answer, words), "{isa}");
+            for (i, &(is_hit, lower)) in truth.iter().enumerate() {
+                let is_free = words[i / 16] >> (i % 16) & 1 != 0;
+                assert!(!(is_hit && is_free), "{isa}: missed in {round}, {i}");
+                assert!(is_free || lower < 1e-9, "{isa}: invented in {round}, {i}: {lower}");
+            }
+            pairs += answer.pairs;
+        }
+        hits += truth.iter().filter(|truth| truth.0).count();
+        frees += truth.iter().filter(|truth| !truth.0).count();
+    }
+    assert!(hits > 100 && frees > 100 && pairs > 1000, "{hits} {frees} {pairs}");
 }

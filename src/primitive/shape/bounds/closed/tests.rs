@@ -13,13 +13,14 @@ use alloc::format;
 const PAIRS: usize = 500 / if cfg!(simdop_neon) { 10 } else { 1 };
 
 /// The kinds of shapes (point, segment, triangle, cuboid, cylinder, cone) with a closed form.
-const KINDS: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 3], [0, 4], [0, 5], [1, 1], [1, 3], [3, 3]];
+const KINDS: [[usize; 2]; 9] = [[0, 0], [0, 1], [0, 2], [0, 3], [0, 4], [0, 5], [1, 1], [1, 3], [3, 3]];
 
 fn magnitude(shape: &Shape) -> f64 {
     let most = |p: &Point| p.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let core = match shape.core() {
         Core::Point(p) => most(p),
         Core::Segment(ends) => most(&ends[0]).max(most(&ends[1])),
+        Core::Triangle([p, q, r]) => most(p).max(most(q)).max(most(r)),
         Core::Cuboid { centre, half } => most(centre) + most(&half[0]) + most(&half[1]) + most(&half[2]),
         Core::Cylinder { centre: c, half_axis: h, radius } | Core::Cone { base: c, axis: h, radius } => {
             most(c) + most(h) + radius
