@@ -64,6 +64,10 @@ mod tests {
     }
 
     fn check(x: f32) {
+        // Arithmetic never gives a signalling NaN, which AArch64's minimum instructions treat differently.
+        if x.is_nan() && x.to_bits() & 1 << 22 == 0 {
+            return;
+        }
         let exact = f64::from(x);
         let rotated = Fixed::around(x);
         let want = match exact.round_ties_even() {
@@ -96,8 +100,8 @@ mod tests {
             assert_eq!((number, Fixed::value(code)), (f32::from(code), f32::from(code) + 0.5));
             assert_eq!(Fixed::value(!code), -Fixed::value(code), "{code}");
             for x in [number, Fixed::value(code)] {
-                [x, x.next_up(), x.next_down()].map(check);
-                [f64::from(x).next_up(), f64::from(x).next_down()].map(check_exact);
+                [x, x.next_up(), x.next_down()].into_iter().for_each(check);
+                [f64::from(x).next_up(), f64::from(x).next_down()].into_iter().for_each(check_exact);
             }
         }
         let mut rng = Rng::new(18);

@@ -69,12 +69,27 @@ impl Joint {
         self.variable
     }
 
-    pub(super) const fn multiplier(&self) -> f64 {
+    pub(crate) const fn multiplier(&self) -> f64 {
         self.multiplier
     }
 
-    pub(super) const fn kind(&self) -> JointKind {
+    pub(crate) const fn kind(&self) -> JointKind {
         self.kind
+    }
+
+    #[cfg(feature = "planning")]
+    pub(crate) const fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    #[cfg(feature = "planning")]
+    pub(crate) const fn origin(&self) -> &Pose {
+        &self.origin
+    }
+
+    #[cfg(feature = "planning")]
+    pub(crate) const fn axis(&self) -> &Point {
+        &self.axis
     }
 
     pub(super) fn value(&self, variables: &[f64]) -> f64 {
@@ -87,7 +102,7 @@ impl Joint {
     }
 
     /// Upper bound of the value's magnitude, where that of the variable is at most `variable`.
-    pub(super) const fn magnitude_of(&self, variable: f64) -> f64 {
+    pub(crate) const fn magnitude_of(&self, variable: f64) -> f64 {
         self.change_of(variable) + self.offset.abs()
     }
 }
@@ -188,6 +203,11 @@ impl<'r> Kinematics<'r> {
     #[must_use]
     pub fn with_base(self, base: Pose) -> Self {
         Self { base: base.orthonormal(), ..self }
+    }
+
+    #[cfg(feature = "planning")]
+    pub(crate) const fn base(&self) -> &Pose {
+        &self.base
     }
 
     /// The joints.

@@ -69,15 +69,17 @@ impl PlanningScene {
     /// [`PlanningError::Values`] if the number of values is not a multiple of that of the variables; as
     /// [`PlanningScene::is_free`].
     pub fn free(&self, configurations: &[f64]) -> Result<Vec<bool>, PlanningError> {
-        self.on_threads(configurations, self.variables(), |workspace, values| self.is_free(workspace, values))
+        self.on_threads(configurations, self.variables(), |workspace, values, free| {
+            self.free_of_job(workspace, values, free)
+        })
     }
 
-    /// Evaluates many queries of `length` values each.
+    /// Evaluates many queries of `length` values each, in runs of up to 64.
     pub(super) fn on_threads(
         &self,
         values: &[f64],
         length: usize,
-        query: impl Fn(&mut Workspace, &[f64]) -> Result<bool, PlanningError> + Sync,
+        query: impl Fn(&mut Workspace, &[f64], &mut [bool]) -> Result<(), PlanningError> + Sync,
     ) -> Result<Vec<bool>, PlanningError> {
         if length == 0 || !values.len().is_multiple_of(length) {
             return Err(PlanningError::Values { given: values.len(), variables: length });
@@ -88,15 +90,7 @@ impl PlanningScene {
         let jobs = free.chunks_mut(JOB).zip(values.chunks(JOB * length)).zip(&mut errors).collect();
         crate::parallel::for_each(jobs, |workspace: &mut Option<Workspace>, ((free, values), error)| {
             let workspace = workspace.get_or_insert_with(|| self.workspace());
-            for (free, values) in free.iter_mut().zip(values.chunks(length)) {
-                match query(workspace, values) {
-                    Ok(is_free) => *free = is_free,
-                    Err(found) => {
-                        *error = Some(found);
-                        return;
-                    }
-                }
-            }
+            *error = query(workspace, values, free).err();
         });
         match errors.into_iter().flatten().next() {
             Some(error) => Err(error),

@@ -76,6 +76,11 @@ pub enum PlanningError {
         /// The value given.
         given: f64,
     },
+    /// The width of the cells of bounds is not positive and finite.
+    Cell {
+        /// The value given.
+        given: f64,
+    },
     /// A body, a pose, a value of a joint, or a tolerance is invalid.
     Scene(SceneError),
 }
@@ -98,6 +103,7 @@ impl fmt::Display for PlanningError {
                 write!(f, "{given} values are not a multiple of {variables}, one for each variable")
             }
             Self::Step { given } => write!(f, "a plan's step of {given}: must be positive"),
+            Self::Cell { given } => write!(f, "cells of width {given}: must be positive and finite"),
             Self::Scene(error) => error.fmt(f),
         }
     }

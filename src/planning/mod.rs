@@ -32,6 +32,8 @@ mod pairs;
 mod placement;
 mod plan;
 mod scene;
+mod screen;
+mod screened;
 mod workspace;
 
 pub use error::PlanningError;

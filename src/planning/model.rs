@@ -1,10 +1,13 @@
 //! A robot with its bodies, and the pairs of them that are tested.
 
 use super::geometry::LinkGeometry;
+use super::screen::RobotBounds;
 use crate::robot::{DisabledPair, JointGroup, Robot, RobotError};
 use alloc::format;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
+use std::sync::OnceLock;
 
 /// A robot with the geometry of its bodies. Scenes share it.
 #[derive(Clone, Debug)]
@@ -15,6 +18,8 @@ pub struct RobotModel {
     disabled: Vec<DisabledPair>,
     pairs: Vec<(usize, usize)>,
     groups: Vec<JointGroup>,
+    /// Made when a scene asks for them.
+    bounds: OnceLock<Option<Arc<RobotBounds>>>,
 }
 
 impl RobotModel {
@@ -33,7 +38,7 @@ impl RobotModel {
             return Err(RobotError::Bodies { given: bodies.len(), needed: robot.bodies.len() });
         }
         let (names, pairs) = (numbered(&robot.names), robot.pairs(&disabled)?);
-        Ok(Self { robot, bodies, names, disabled, pairs, groups })
+        Ok(Self { robot, bodies, names, disabled, pairs, groups, bounds: OnceLock::new() })
     }
 
     /// The description.
@@ -64,6 +69,12 @@ impl RobotModel {
     #[must_use]
     pub fn pairs(&self) -> &[(usize, usize)] {
         &self.pairs
+    }
+
+    pub(super) fn bounds(&self) -> Option<&Arc<RobotBounds>> {
+        let make =
+            || RobotBounds::of(&self.robot.kinematics().ok()?, &self.bodies, &self.pairs).map(Arc::new);
+        self.bounds.get_or_init(make).as_ref()
     }
 
     /// The groups of joints of the SRDF file.

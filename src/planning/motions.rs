@@ -49,9 +49,12 @@ impl PlanningScene {
     /// [`PlanningError::Values`] if the number of values is not a multiple of twice the number of variables; as
     /// [`PlanningScene::check_motion`].
     pub fn free_motions(&self, motions: &[f64]) -> Result<Vec<bool>, PlanningError> {
-        self.on_threads(motions, 2 * self.variables(), |workspace, values| {
-            let (from, to) = values.split_at(self.variables());
-            Ok(self.check_motion(workspace, [from, to])?.is_free())
+        self.on_threads(motions, 2 * self.variables(), |workspace, motions, free| {
+            for (free, ends) in free.iter_mut().zip(motions.chunks(2 * self.variables())) {
+                let (from, to) = ends.split_at(self.variables());
+                *free = self.check_motion(workspace, [from, to])?.is_free();
+            }
+            Ok(())
         })
     }
 

@@ -24,6 +24,7 @@ impl PlanningScene {
         let id = self.scene.insert(body, world)?;
         self.objects.push((id, name.into()));
         self.stamp = stamp();
+        self.update_screen(id, None)?;
         Ok(id)
     }
 
@@ -35,7 +36,9 @@ impl PlanningScene {
     pub fn place(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
         self.check_object(object)?;
         self.stamp = stamp();
-        Ok(self.scene.place(object, world)?)
+        let before = self.scene.bounds_of(object)?;
+        self.scene.place(object, world)?;
+        self.update_screen(object, Some(before))
     }
 
     /// Removes an object. What is attached to it stays where it is.
@@ -44,9 +47,11 @@ impl PlanningScene {
     /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object.
     pub fn remove(&mut self, object: BodyId) -> Result<Body<'static, PlanningNode>, PlanningError> {
         self.check_object(object)?;
+        let before = self.scene.bounds_of(object)?;
         let body = self.scene.remove(object)?;
         self.objects.retain(|(id, _)| *id != object);
         self.stamp = stamp();
+        self.update_screen(object, Some(before))?;
         Ok(body)
     }
 
@@ -78,7 +83,7 @@ impl PlanningScene {
             self.scene.allow_collision(object, id)?;
         }
         self.stamp = stamp();
-        Ok(())
+        self.set_screen()
     }
 
     /// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links again.
@@ -95,7 +100,7 @@ impl PlanningScene {
         for &link in &self.links {
             self.scene.forbid_collision(object, link)?;
         }
-        Ok(())
+        self.set_screen()
     }
 
     fn check_object(&self, object: BodyId) -> Result<(), PlanningError> {

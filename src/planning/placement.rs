@@ -18,11 +18,13 @@ impl PlanningScene {
         Workspace {
             stamp: self.stamp,
             scene: self.scene.clone(),
+            is_placed: false,
             links: vec![LinkFrame::EMPTY; robot.joints.len() + 1],
             poses: vec![Pose::IDENTITY; 2 * self.links.len()],
             values: [(); 3].map(|()| vec![0.0; robot.variables.len()]),
             waiting: Vec::new(),
             derivatives: vec![[0.0; 3]; robot.variables.len()],
+            doubts: self.screen.as_ref().map(|screen| screen.doubts(robot.variables.len())),
         }
     }
 
@@ -58,6 +60,8 @@ impl PlanningScene {
         let [all, ..] = &mut workspace.values;
         self.complete(values, all)?;
         self.kinematics().go_to(all, &mut workspace.links, &mut workspace.poses)?;
-        Ok(workspace.scene.place_all(&self.links, &workspace.poses)?)
+        workspace.scene.place_all(&self.links, &workspace.poses)?;
+        workspace.is_placed = true;
+        Ok(())
     }
 }

@@ -4,6 +4,7 @@ use super::PlanningNode;
 use super::angles::wrapped;
 use super::error::PlanningError;
 use super::model::RobotModel;
+use super::screen::Screen;
 use crate::isa::Isa;
 use crate::motion::{Kinematics, MotionError};
 use crate::pose::Pose;
@@ -33,6 +34,9 @@ pub struct PlanningScene {
     pub(super) base: Pose,
     pub(super) query: Query,
     pub(super) resolution: f64,
+    /// Width of the cells of grids, if [`PlanningScene::free`] uses bounds.
+    pub(super) cell: Option<f64>,
+    pub(super) screen: Option<Arc<Screen>>,
     /// Two scenes with the same stamp are equal: a workspace of one serves the other.
     pub(super) stamp: u64,
 }
@@ -73,6 +77,8 @@ impl PlanningScene {
             base: Pose::IDENTITY,
             query: Query::new(Isa::detect()),
             resolution: 1e-6,
+            cell: None,
+            screen: None,
             objects: Vec::new(),
             scene,
             links,
@@ -118,7 +124,7 @@ impl PlanningScene {
         crate::scene::check_pose(world)?;
         self.base = *world;
         self.stamp = stamp();
-        Ok(())
+        self.set_screen()
     }
 
     /// Allows two bodies to meet: no query tests the pair.
@@ -127,7 +133,8 @@ impl PlanningScene {
     /// [`PlanningError::Scene`]: there is no such body, or both are the same.
     pub fn allow_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
         self.stamp = stamp();
-        Ok(self.scene.allow_collision(a, b)?)
+        self.scene.allow_collision(a, b)?;
+        self.set_screen()
     }
 
     /// Forbids two bodies to meet: all queries test the pair.
@@ -136,7 +143,8 @@ impl PlanningScene {
     /// [`PlanningError::Scene`]: there is no such body, both are the same, or both are clouds.
     pub fn forbid_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
         self.stamp = stamp();
-        Ok(self.scene.forbid_collision(a, b)?)
+        self.scene.forbid_collision(a, b)?;
+        self.set_screen()
     }
 
     /// The bodies of a link, or the one body of this name.

@@ -1,6 +1,7 @@
 //! The memory of one thread.
 
 use super::PlanningNode;
+use super::screen::Doubts;
 use crate::motion::LinkFrame;
 use crate::pose::Pose;
 use crate::range::Point;
@@ -16,6 +17,8 @@ pub struct Workspace {
     /// That of the scene copied.
     pub(super) stamp: u64,
     pub(super) scene: Scene<'static, PlanningNode>,
+    /// Whether all bodies of the robot were placed once.
+    pub(super) is_placed: bool,
     pub(super) links: Vec<LinkFrame>,
     /// Two for each body of the robot.
     pub(super) poses: Vec<Pose>,
@@ -24,6 +27,8 @@ pub struct Workspace {
     pub(super) waiting: Vec<MotionHit>,
     /// Of a point, by each variable.
     pub(super) derivatives: Vec<Point>,
+    /// Of sixteen configurations.
+    pub(super) doubts: Option<Doubts>,
 }
 
 impl Workspace {

@@ -66,6 +66,17 @@ impl<N: Lanes> Scene<'_, N> {
         (a, b): (BodyId, BodyId),
         boxes: usize,
     ) -> Result<PairReport, SceneError> {
+        self.search_classes(query, moving, robot, (a, b), |search| search.run(boxes))
+    }
+
+    fn search_classes<T>(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        robot: Kinematics<'_>,
+        (a, b): (BodyId, BodyId),
+        run: impl FnOnce(ClassSearch<'_, '_, '_, N>) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
         let (i, j) = self.place_to_ask(a, b)?;
         let mut poses = vec![Pose::IDENTITY; 2 * robot.bodies().len()];
         let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
@@ -73,10 +84,51 @@ impl<N: Lanes> Scene<'_, N> {
             .map(|i| self.memory.slots[i].body.as_ref().map_or_else(Vec::new, |body| leaves(&body.tree)));
         let links = vec![LinkFrame::EMPTY; robot.links()];
         let search = ClassSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
-        let report = search.run(boxes);
+        let found = run(search);
         self.place_all(moving, before)?;
-        report
+        found
     }
+
+    /// Passes a question: what is certain of two bodies in a box of values? It is also certain if both come nearer to
+    /// each other by a length, or go apart.
+    #[cfg(feature = "planning")]
+    pub(crate) fn ask_boxes<T>(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        robot: Kinematics<'_>,
+        pair: (BodyId, BodyId),
+        with: impl FnOnce(
+            &mut dyn FnMut(&[Vec<f64>; 2], f64) -> Result<BoxClass, SceneError>,
+        ) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        self.search_classes(query, moving, robot, pair, |mut search| {
+            with(&mut |values, more| {
+                search.go_to_middle(values)?;
+                let is_meeting = search.is_within(0.0)?;
+                Ok(BoxClass {
+                    is_meeting,
+                    is_everywhere: search.is_everywhere(values, is_meeting, more)?,
+                    path: search.motion_bound(values, 0.0)? + more,
+                    poses: [pair.0, pair.1].map(|id| search.scene.memory.slots[id.index as usize].world),
+                })
+            })
+        })
+    }
+}
+
+/// Two bodies in a box of joint values.
+#[cfg(feature = "planning")]
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct BoxClass {
+    /// Whether they meet at its middle.
+    pub(crate) is_meeting: bool,
+    /// Whether they certainly do, or do not, in all of it.
+    pub(crate) is_everywhere: bool,
+    /// Upper bound of how much any point of one moves relative to the other, compared with the middle.
+    pub(crate) path: f64,
+    /// Where they are at the middle.
+    pub(crate) poses: [Pose; 2],
 }
 
 struct ClassSearch<'s, 't, 'm, N> {
@@ -111,12 +163,8 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
                 return Ok(PairReport { fate: PairClass::Sometimes, ..report });
             }
             let widest = self.widest(&values)?;
-            let is_everywhere = if is_meeting {
-                widest.is_none() || self.meets_after(&values)?
-            } else {
-                let path = self.motion_bound(&values, 0.0)?;
-                path.is_finite() && !self.is_within_reach(path)?
-            };
+            let is_everywhere =
+                is_meeting && widest.is_none() || self.is_everywhere(&values, is_meeting, 0.0)?;
             match widest {
                 _ if is_everywhere => {}
                 Some(variable) => waiting.extend(halves(&values, variable)),
@@ -125,6 +173,16 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         }
         let fate = if report.meeting.is_some() { PairClass::Always } else { PairClass::Never };
         Ok(PairReport { fate, ..report })
+    }
+
+    /// Whether bodies that meet, or do not meet, at the middle of a box of values, where they stand, certainly do so in
+    /// all of it, also if they come nearer to each other by another `more`, or go apart.
+    fn is_everywhere(&mut self, values: &Values, is_meeting: bool, more: f64) -> Result<bool, SceneError> {
+        if is_meeting {
+            return self.meets_after(values, more);
+        }
+        let path = self.motion_bound(values, 0.0)? + more;
+        Ok(path.is_finite() && !self.is_within_reach(path)?)
     }
 
     /// Places the bodies at the middle of a box of values.
@@ -167,10 +225,10 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
     }
 
     /// Whether two bodies that meet at the middle of a box certainly meet in all of it.
-    fn meets_after(&mut self, values: &Values) -> Result<bool, SceneError> {
+    fn meets_after(&mut self, values: &Values, more: f64) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         // Where they meet, a primitive of one may reach beyond the ball of the other.
-        let moved = self.motion_bound(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))?;
+        let moved = self.motion_bound(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))? + more;
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {

@@ -49,6 +49,8 @@ mod memory;
 mod pairs;
 mod placement;
 mod signed_clearance;
+#[cfg(feature = "planning")]
+mod some_pairs;
 mod two_bodies;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
@@ -57,6 +59,8 @@ pub use body::SharedTree;
 pub use body::{Body, BodyId, BodyTree, Groups};
 pub use check_motion::{MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 pub use check_states::ConfigurationsAnswer;
+#[cfg(feature = "planning")]
+pub(crate) use classify_pair::BoxClass;
 #[cfg(feature = "alloc")]
 pub use classify_pair::{PairClass, PairReport};
 pub use error::SceneError;

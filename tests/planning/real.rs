@@ -1,7 +1,7 @@
 //! The Panda and the UR5 among obstacles: a planning scene against pairs of bodies at poses from other kinematics.
 
 #[path = "../../benches/support/robots.rs"]
-mod robots;
+pub(crate) mod robots;
 
 use crate::support::data::{self, directory};
 use crate::support::rng::{self, Rng};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Distances that count as meeting: world poses round relative ones.
 const ROUNDING: f64 = 1e-11;
 
-fn load(setting: &Setting, folder: &Path) -> RobotModel {
+pub(crate) fn load(setting: &Setting, folder: &Path) -> RobotModel {
     let folder = folder.join("robots").join(setting.robot);
     let file = |extension: &str| folder.join(format!("{}.{extension}", setting.robot));
     RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap()

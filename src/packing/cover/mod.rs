@@ -83,6 +83,23 @@ impl Mesh<'_> {
         };
         Ok(cover.spheres.iter().map(sphere).collect())
     }
+
+    /// For each point, a radius within which every point is certainly inside of the solid; 0 for a point that is not.
+    /// `None` if the mesh is invalid or not closed.
+    #[cfg(feature = "planning")]
+    pub(crate) fn depths_inside(&self, points: &[Point]) -> Option<Vec<f64>> {
+        check_closed(self).ok()?;
+        let corners = || self.triangles.iter().flatten().map(|&vertex| self.vertices[vertex as usize]);
+        let scale = scale_to_one(corners().flatten().fold(0.0, |most: f64, x| most.max(x.abs())));
+        let vertices: Vec<Point> = self.vertices.iter().map(|p| p.map(|x| flush(x) * scale)).collect();
+        let surface = Surface::new(&Mesh { vertices: &vertices, triangles: self.triangles }).ok()?;
+        let depth = |p: &Point| {
+            let p = p.map(|x| x * scale);
+            let is_inside = surface.winds_around(DVec3::from_array(p));
+            if is_inside { surface.certain_clearance(p, WIDEST) * (NARROW / scale) } else { 0.0 }
+        };
+        Some(points.iter().map(depth).collect())
+    }
 }
 
 /// Maximum edge length of a patch, relative to the error.

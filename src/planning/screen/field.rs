@@ -1,0 +1,58 @@
+//! Bodies that stand still, and the bodies of the robot that are tested against them.
+
+use super::blocks::{Radii16, all_lanes, radii};
+use super::bodies::{LaneBody, ScreenedScene};
+use super::grid::ClearanceGrid;
+use super::table::PairTable;
+use crate::scene::{BodyId, SceneError};
+use alloc::vec::Vec;
+
+/// Bodies that stand still, and the moving bodies that are tested against all of them.
+#[derive(Clone, Debug)]
+pub(super) struct Field {
+    /// The moving bodies, in ascending order.
+    pub(super) key: Vec<usize>,
+    pub(super) grid: ClearanceGrid,
+    pub(super) standing: Vec<BodyId>,
+    pub(super) asked: Vec<AskedBody>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct AskedBody {
+    pub(super) body: usize,
+    /// Of a body that one variable moves, instead of spheres.
+    pub(super) table: Option<PairTable>,
+    pub(super) whole: Radii16,
+    pub(super) coarse: Vec<Radii16>,
+    pub(super) fine: Vec<Radii16>,
+}
+
+impl Field {
+    /// `more`: the allowance of tables. Of all moving bodies, the field has those of `key`.
+    pub(super) fn new(
+        around: &ScreenedScene<'_>,
+        bodies: &[LaneBody],
+        (key, standing): (Vec<usize>, Vec<BodyId>),
+        grid: ClearanceGrid,
+        more: f64,
+    ) -> Result<Self, SceneError> {
+        let of = |outer: f64, inner: f64| grid.radii(outer, inner);
+        let ask = |&body: &usize| {
+            let LaneBody { whole, coarse, fine, body: index, .. } = &bodies[body];
+            let pairs = (around.links, &standing[..]);
+            let table = PairTable::of_body(&around.kinematics, around.scene, *index, pairs, more)?;
+            Ok(AskedBody {
+                body,
+                table,
+                whole: all_lanes(of(whole.outer, whole.inner)),
+                coarse: radii(coarse, of),
+                fine: radii(fine, of),
+            })
+        };
+        let mut asked = key.iter().map(ask).collect::<Result<Vec<AskedBody>, SceneError>>()?;
+        asked.retain(|asked| !asked.table.as_ref().is_some_and(PairTable::is_free));
+        // The last links of an arm meet something most often.
+        asked.reverse();
+        Ok(Self { key, grid, standing, asked })
+    }
+}

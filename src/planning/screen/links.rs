@@ -1,0 +1,137 @@
+//! Bodies of a robot as spheres: each body lies inside of the union of the outer ones, and contains the inner ones.
+//!
+//! The covers are those of [`Mesh::cover_solid`], or of [`Mesh::cover`] for a surface, with the least error that takes
+//! few enough spheres. An inner sphere has the centre of an outer one, so that one look-up serves both: its radius is
+//! the depth of the centre in the solid. A solid whose holes are capped has none, since a body may be in it and meet
+//! nothing.
+
+use crate::construct::Mesh;
+use crate::hierarchy::BvhRef;
+use crate::packing::Packer;
+use crate::planning::{LinkGeometry, PlanningNode};
+use crate::primitive::shape::{Core, hull_of};
+use crate::primitive::{Shape, Sphere};
+use crate::range::Point;
+use crate::vector::{difference, length};
+use alloc::collections::BTreeMap;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Most spheres of a fine cover and of a coarse one: whole blocks of sixteen.
+const MOST_FINE: usize = 64;
+const MOST_COARSE: usize = 16;
+/// Spheres of a packing.
+const MOST_INSIDE: usize = 64;
+/// The first error, relative to the diagonal, and what each is of the one before.
+const FIRST: f64 = 0.3;
+const STEP: f64 = 0.8;
+const STEPS: usize = 20;
+/// Room for the rounding of a radius.
+const ABOVE: f64 = 1.0 + 1e-12;
+
+/// Spheres about one centre, in the frame of a body.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub(super) struct Concentric {
+    pub(super) centre: Point,
+    /// Part of a cover.
+    pub(super) outer: f64,
+    /// Radius of a sphere that is certainly inside of the body. 0 if there is none.
+    pub(super) inner: f64,
+}
+
+/// A body of a robot as spheres.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct LinkSpheres {
+    /// A sphere around the body.
+    pub(super) whole: Concentric,
+    /// Covers.
+    pub(super) coarse: Vec<Concentric>,
+    pub(super) fine: Vec<Concentric>,
+    /// Spheres inside of it.
+    pub(super) inside: Vec<Sphere>,
+}
+
+impl LinkSpheres {
+    /// `None` for a half-space, and for a mesh that cannot be covered.
+    pub(super) fn of(geometry: &LinkGeometry) -> Option<Self> {
+        match geometry {
+            LinkGeometry::Shape(shape) => Self::of_shape(shape),
+            LinkGeometry::Mesh { tree, .. } => Self::of_mesh(&tree.view()),
+        }
+    }
+
+    fn of_shape(shape: &Shape) -> Option<Self> {
+        if matches!(shape.core(), Core::HalfSpace { .. }) {
+            return None;
+        }
+        let (corners, radius) = hull_of(shape);
+        let corners: Vec<Point> = corners.collect();
+        let whole = around(&corners, radius)?;
+        Some(Self { whole, coarse: vec![whole], fine: vec![whole], inside: Vec::new() })
+    }
+
+    fn of_mesh(tree: &BvhRef<'_, PlanningNode>) -> Option<Self> {
+        let of = |tree: &BvhRef<'_, PlanningNode>| -> Vec<[Point; 3]> {
+            (0..tree.len() as u32).map(|i| tree.primitive(i)).collect()
+        };
+        let mut triangles = of(tree);
+        let caps = tree.caps();
+        triangles.extend(caps.iter().flat_map(of));
+        // Equal corners become one vertex.
+        let (mut places, mut vertices) = (BTreeMap::new(), Vec::new());
+        let mut vertex = |p: &Point| {
+            *places.entry(p.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                vertices.push(*p);
+                vertices.len() as u32 - 1
+            })
+        };
+        let records: Vec<[u32; 3]> = triangles.iter().map(|t| [0, 1, 2].map(|i| vertex(&t[i]))).collect();
+        let mesh = Mesh { vertices: &vertices, triangles: &records };
+        let whole = around(&vertices, 0.0)?;
+        let is_solid = tree.is_solid();
+        let has_inside = is_solid && caps.is_none();
+        let packed = if has_inside { Packer::new().spheres(MOST_INSIDE).pack(&mesh).ok() } else { None };
+        Some(Self {
+            whole,
+            inside: packed.map_or_else(Vec::new, |packing| packing.spheres),
+            coarse: cover(&mesh, &whole, is_solid, has_inside, MOST_COARSE)?,
+            fine: cover(&mesh, &whole, is_solid, has_inside, MOST_FINE)?,
+        })
+    }
+}
+
+/// A sphere about the middle of the box of points, around spheres of a radius about them.
+fn around(points: &[Point], radius: f64) -> Option<Concentric> {
+    let (mut low, mut high) = (*points.first()?, *points.first()?);
+    for p in points {
+        for i in 0..3 {
+            (low[i], high[i]) = (low[i].min(p[i]), high[i].max(p[i]));
+        }
+    }
+    let centre = [0, 1, 2].map(|i| 0.5 * low[i] + 0.5 * high[i]);
+    let farthest = points.iter().map(|p| length(&difference(p, &centre))).fold(0.0, f64::max);
+    Some(Concentric { centre, outer: (farthest + radius) * ABOVE, inner: 0.0 })
+}
+
+/// A cover of at most so many spheres.
+fn cover(
+    mesh: &Mesh<'_>,
+    whole: &Concentric,
+    is_solid: bool,
+    has_inside: bool,
+    most: usize,
+) -> Option<Vec<Concentric>> {
+    let mut error = FIRST * 2.0 * whole.outer;
+    let mut best = vec![Sphere { centre: whole.centre, radius: whole.outer }];
+    for _ in 0..STEPS {
+        let spheres = if is_solid { mesh.cover_solid(error) } else { mesh.cover(error) }.ok()?;
+        if spheres.len() > most {
+            break;
+        }
+        (best, error) = (spheres, error * STEP);
+    }
+    let centres: Vec<Point> = best.iter().map(|sphere| sphere.centre).collect();
+    let inner = if has_inside { mesh.depths_inside(&centres)? } else { vec![0.0; centres.len()] };
+    let both = best.iter().zip(inner);
+    Some(both.map(|(s, inner)| Concentric { centre: s.centre, outer: s.radius, inner }).collect())
+}

@@ -1,0 +1,280 @@
+//! Each bound against `f64` kinematics, closed forms, or the scene.
+
+use super::apart;
+use super::blocks::all_lanes;
+use super::chain::{LaneChain, LaneFrame};
+use super::grid::{ClearanceGrid, GridSize};
+use super::lanes::{LANES, mask};
+use super::links::LinkSpheres;
+use super::robot::RobotBounds;
+use super::standing::Standing;
+use crate::construct::{Builder, OwnedMesh};
+use crate::isa::Isa;
+use crate::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
+use crate::planning::{LinkGeometry, PlanningNode};
+use crate::pose::Pose;
+use crate::primitive::Shape;
+use crate::query::Query;
+use crate::random::SplitMix64;
+use crate::range::Point;
+use crate::scene::{Body, Scene};
+use crate::vector::{difference, length};
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+use glam::{DQuat, DVec3};
+
+fn share(random: &mut SplitMix64) -> f64 {
+    random.bits() as f64 / 2.0_f64.powi(64)
+}
+
+fn within(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
+    low + (high - low) * share(random)
+}
+
+fn point(random: &mut SplitMix64, reach: f64) -> Point {
+    [(); 3].map(|()| within(random, -reach, reach))
+}
+
+fn pose(random: &mut SplitMix64, reach: f64) -> Pose {
+    let turn = DQuat::from_euler(
+        glam::EulerRot::ZYX,
+        within(random, -3.0, 3.0),
+        within(random, -3.0, 3.0),
+        within(random, -3.0, 3.0),
+    );
+    Pose::try_from((turn, DVec3::from_array(point(random, reach)))).unwrap()
+}
+
+/// Points of links in lanes are where the scene's kinematics have them, up to the bound.
+#[test]
+fn lanes_are_within_their_error() {
+    let mut random = SplitMix64(3);
+    let mut worst = 0.0_f64;
+    for round in 0..60 {
+        let joint = |i: usize, random: &mut SplitMix64| {
+            let kind = if (i + round).is_multiple_of(4) { JointKind::Prismatic } else { JointKind::Revolute };
+            let parent = if i > 2 && i.is_multiple_of(5) { i - 2 } else { i };
+            let joint = Joint::new(kind, parent as u32, pose(random, 0.4), point(random, 1.0), i as u32);
+            joint.unwrap().following(within(random, -2.0, 2.0), within(random, -1.0, 1.0)).unwrap()
+        };
+        let joints: Vec<Joint> = (0..8).map(|i| joint(i, &mut random)).collect();
+        let bodies: Vec<LinkBody> = (0..=8).map(|link| LinkBody { link, at: Pose::IDENTITY }).collect();
+        let limits = [[-3.0, 3.0]; 8];
+        let base = pose(&mut random, if round % 2 == 0 { 1.0 } else { 50.0 });
+        let kinematics = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(base);
+        let chain = LaneChain::new(&kinematics).unwrap();
+        let values: Vec<[f64; LANES]> =
+            (0..8).map(|_| core::array::from_fn(|_| within(&mut random, -3.0, 3.0))).collect();
+        let mut frames = vec![LaneFrame::NOWHERE; 9];
+        chain.go_to(&values, &mut frames);
+        let (mut links, mut poses) = (vec![LinkFrame::EMPTY; 9], vec![Pose::IDENTITY; 9]);
+        for lane in 0..LANES {
+            let now: Vec<f64> = values.iter().map(|of| of[lane]).collect();
+            kinematics.go_to(&now, &mut links, &mut poses).unwrap();
+            for (link, at) in poses.iter().enumerate() {
+                for p in [[0.0; 3], point(&mut random, 0.3), point(&mut random, 3.0)] {
+                    let on_link = chain.on_link(link, &p);
+                    let found = frames[link].apply(&on_link.map(|x| x as f32));
+                    let found = [0, 1, 2].map(|i| f64::from(found[i][lane]));
+                    let off = length(&difference(&found, &at.apply(p)));
+                    let bound = chain.error(link, &on_link);
+                    assert!(off <= bound, "link {link}, {p:?}: {off} above {bound}");
+                    worst = worst.max(off / bound);
+                }
+            }
+        }
+    }
+    assert!(worst > 0.02, "the bound is far from what occurs: {worst}");
+}
+
+/// A world of three shapes, and the distance of a point from them in closed form.
+struct TwoShapes {
+    scene: Scene<'static, PlanningNode>,
+    ids: Vec<crate::scene::BodyId>,
+    ball: Point,
+}
+
+const SIDES: Point = [0.4, 0.3, 0.2];
+const BALL: f64 = 0.15;
+
+impl TwoShapes {
+    fn new(ball: Point) -> Self {
+        let mut scene = Scene::new();
+        let at = |p: Point| Pose::IDENTITY.shifted(&p);
+        let cuboid = Body::new(Shape::cuboid(SIDES).unwrap()).fixed();
+        let sphere = Body::new(Shape::sphere(BALL).unwrap()).fixed();
+        let ids =
+            vec![scene.insert(cuboid, &at([0.0; 3])).unwrap(), scene.insert(sphere, &at(ball)).unwrap()];
+        Self { scene, ids, ball }
+    }
+
+    fn distance(&self, p: &Point) -> f64 {
+        let outside = [0, 1, 2].map(|i| (p[i].abs() - 0.5 * SIDES[i]).max(0.0));
+        length(&outside).min((length(&difference(p, &self.ball)) - BALL).max(0.0))
+    }
+
+    fn standing(&self) -> Standing {
+        Standing::new(&self.scene, &self.ids, 1e-5, &Query::new(Isa::detect())).unwrap()
+    }
+}
+
+/// Spheres that the grid calls free are free, and inner ones that it calls met are met; it decides most.
+fn attack(grid: &ClearanceGrid, shapes: &TwoShapes, random: &mut SplitMix64) {
+    let (mut decided, mut hits) = (0, 0);
+    for _ in 0..40_000 {
+        let (outer, inner) = (within(random, 0.001, 0.19), within(random, 0.001, 0.12));
+        let points: [Point; LANES] = core::array::from_fn(|_| point(random, 0.75));
+        let lanes = [0, 1, 2].map(|i| core::array::from_fn(|lane| points[lane][i] as f32));
+        let [free, hit] =
+            grid.look_up(&lanes, &all_lanes(grid.radii(outer, inner))).map(|flags| mask(&flags));
+        for lane in 0..LANES {
+            let distance = shapes.distance(&[0, 1, 2].map(|i| f64::from(lanes[i][lane])));
+            let (is_free, is_hit) = (free >> lane & 1 == 1, hit >> lane & 1 == 1);
+            assert!(!is_free || distance > outer, "{distance} is within {outer}");
+            assert!(!is_hit || distance < inner, "{distance} is beyond {inner}");
+            decided += usize::from(is_free || is_hit);
+            hits += usize::from(is_hit);
+        }
+    }
+    assert!(decided > 40_000 * LANES * 7 / 10 && hits > 10_000, "{decided} {hits}");
+}
+
+#[test]
+fn grids_bound_distances() {
+    let mut random = SplitMix64(5);
+    // No sphere meets anything outside.
+    let corners = [[-0.68; 3], [0.68; 3]];
+    let size = GridSize { cell: 0.02, outer: 0.2, inner: 0.12 };
+    let shapes = TwoShapes::new([0.3, 0.2, 0.25]);
+    let mut grid = ClearanceGrid::new(&mut shapes.standing(), corners, size).unwrap();
+    attack(&grid, &shapes, &mut random);
+    // The ball moves, and the cells near both of its places follow.
+    let moved = TwoShapes::new([-0.3, 0.25, -0.1]);
+    for ball in [shapes.ball, moved.ball] {
+        let around = [-BALL, BALL].map(|by| ball.map(|x| x + by));
+        grid.update(&mut moved.standing(), &around).unwrap();
+    }
+    attack(&grid, &moved, &mut random);
+}
+
+/// Outer spheres hold the solid, and inner ones are held by it.
+#[test]
+fn covers_hold_links_and_links_hold_inner_spheres() {
+    let mesh = OwnedMesh::cylinder(0.06, 0.3, 0.001).unwrap();
+    let tree = Builder::new().solid().build_as(&mesh.as_mesh()).unwrap();
+    let spheres = LinkSpheres::of(&LinkGeometry::Mesh { tree: Arc::new(tree), hole: None }).unwrap();
+    let mut random = SplitMix64(7);
+    let side = 0.06 * (1.0 - 0.02); // Every prism about the cylinder holds this.
+    let is_inside = |p: &Point| p[0] * p[0] + p[1] * p[1] <= side * side && p[2].abs() <= 0.15;
+    for cover in [&spheres.coarse, &spheres.fine, &vec![spheres.whole]] {
+        let holds = |p: &Point| cover.iter().any(|s| length(&difference(p, &s.centre)) <= s.outer);
+        let mut inside = 0;
+        for _ in 0..20_000 {
+            let p = [
+                within(&mut random, -0.06, 0.06),
+                within(&mut random, -0.06, 0.06),
+                within(&mut random, -0.15, 0.15),
+            ];
+            if is_inside(&p) {
+                inside += 1;
+                assert!(holds(&p), "{p:?}");
+            }
+        }
+        assert!(inside > 10_000);
+        for t in &mesh.triangles {
+            let [p, q, r] = t.map(|vertex| mesh.vertices[vertex as usize]);
+            for _ in 0..50 {
+                let (u, v) = (share(&mut random), share(&mut random));
+                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                let on = [0, 1, 2].map(|i| p[i] + u * (q[i] - p[i]) + v * (r[i] - p[i]));
+                let near =
+                    cover.iter().any(|s| length(&difference(&on, &s.centre)) <= s.outer * (1.0 + 1e-12));
+                assert!(near, "{on:?}");
+            }
+        }
+        for s in cover.iter().filter(|s| s.inner > 0.0) {
+            let [x, y, z] = s.centre;
+            let depth = (0.062 - libm::sqrt(x * x + y * y)).min(0.15 - z.abs());
+            assert!(s.inner <= depth + 1e-12, "{s:?} is {depth} deep");
+        }
+    }
+    assert!(spheres.fine.len() > spheres.coarse.len() && spheres.coarse.len() > 1);
+    assert!(spheres.fine.iter().filter(|s| s.inner > 0.03).count() > 2);
+}
+
+/// Spheres that are called apart are apart, and inner ones that are called met meet; most are one of both.
+#[test]
+fn compared_spheres_are_apart_or_meet() {
+    let mut random = SplitMix64(9);
+    let (mut decided, mut hits) = (0, 0);
+    for _ in 0..40_000 {
+        let centres = |random: &mut SplitMix64| {
+            let points: [Point; LANES] = core::array::from_fn(|_| point(random, 0.5));
+            [0, 1, 2].map(|i| core::array::from_fn(|lane| points[lane][i] as f32))
+        };
+        let (a, b) = (centres(&mut random), centres(&mut random));
+        let [r, s] = [(); 2].map(|()| within(&mut random, -0.01, 0.5));
+        let radii = |r: f64| all_lanes(apart::radii(r.max(0.0), r));
+        let [free, hit] = apart::compare((&a, &radii(r)), (&b, &radii(s))).map(|flags| mask(&flags));
+        for lane in 0..LANES {
+            let apart = [0, 1, 2].map(|i| f64::from(a[i][lane]) - f64::from(b[i][lane]));
+            let (distance, is_free, is_hit) = (length(&apart), free >> lane & 1 == 1, hit >> lane & 1 == 1);
+            assert!(!is_free || distance > r.max(0.0) + s.max(0.0), "{distance}, {r} and {s}");
+            assert!(!is_hit || distance < r + s && r > 0.0 && s > 0.0, "{distance}, {r} and {s}");
+            decided += usize::from(is_free || is_hit);
+            hits += usize::from(is_hit);
+        }
+    }
+    assert!(decided > 40_000 * LANES * 9 / 10 && hits > 40_000, "{decided} {hits}");
+}
+
+/// What tables say is what the scene says, at random values.
+#[test]
+fn tables_agree_with_the_scene() {
+    let about = |axis: Point, parent: u32, at: Point| {
+        Joint::new(JointKind::Revolute, parent, Pose::IDENTITY.shifted(&at), axis, parent).unwrap()
+    };
+    let joints = [
+        about([0.0, 1.0, 0.0], 0, [0.0, 0.0, 0.1]),
+        about([1.0, 0.0, 0.0], 1, [0.0, 0.0, 0.3]),
+        about([0.0, 1.0, 0.0], 2, [0.0, 0.0, 0.3]),
+    ];
+    let limits = [[-2.8, 2.8]; 3];
+    let bodies: Vec<LinkBody> =
+        (0..4).map(|link| LinkBody { link, at: Pose::IDENTITY.shifted(&[0.0, 0.0, 0.15]) }).collect();
+    let geometry = |i: usize| {
+        let mesh = OwnedMesh::cuboid([0.1, 0.08, 0.24 + 0.01 * i as f64]).unwrap();
+        LinkGeometry::of_mesh(&mesh.as_mesh(), 0.0).unwrap()
+    };
+    let geometry: Vec<LinkGeometry> = (0..4).map(geometry).collect();
+    let kinematics = Kinematics::new(&joints, &bodies, &limits).unwrap();
+    let pairs = [(0, 2), (0, 3), (1, 3)];
+    let bounds = RobotBounds::of(&kinematics, &geometry, &pairs).unwrap();
+    let query = Query::new(Isa::detect());
+    let mut scene: Scene<'static, PlanningNode> = Scene::new();
+    let ids: Vec<_> =
+        geometry.iter().map(|body| scene.insert(body.body(), &Pose::IDENTITY).unwrap()).collect();
+    let (mut links, mut poses) = (vec![LinkFrame::EMPTY; 4], vec![Pose::IDENTITY; 4]);
+    let mut random = SplitMix64(11);
+    let (mut said, mut met) = (0, 0);
+    for _ in 0..2500 {
+        let values: Vec<[f64; LANES]> =
+            (0..3).map(|_| core::array::from_fn(|_| within(&mut random, -2.8, 2.8))).collect();
+        for &(i, j) in &pairs {
+            let table = bounds.tables.get(bounds.tables.find(j, i).unwrap()).unwrap();
+            let [free, meet] = table.look_up(&values);
+            for lane in 0..LANES {
+                let now: Vec<f64> = values.iter().map(|of| of[lane]).collect();
+                kinematics.go_to(&now, &mut links, &mut poses).unwrap();
+                scene.place_all(&ids, &poses).unwrap();
+                let does_meet = scene.do_meet(&query, ids[i], ids[j]).unwrap();
+                let (says_free, says_meet) = (free >> lane & 1 == 1, meet >> lane & 1 == 1);
+                assert!(!(says_free && does_meet) && !(says_meet && !does_meet), "{i} {j} {now:?}");
+                said += usize::from(says_free || says_meet);
+                met += usize::from(says_meet);
+            }
+        }
+    }
+    assert!(said > 2500 * 3 * LANES * 8 / 10 && met > 2000, "{said} {met}");
+}

@@ -1,0 +1,275 @@
+//! All bounds of a robot in a scene.
+
+use super::blocks::LaneSphere;
+use super::bodies::{LaneBody, ScreenedScene, lane_bodies};
+use super::chain::LaneChain;
+use super::field::Field;
+use super::grid::{ClearanceGrid, GridSize};
+use super::robot::RobotBounds;
+use super::standing::Standing;
+use super::table::{PairTable, ROUNDING};
+use crate::exact::power_of_two;
+use crate::node::Box3;
+use crate::range::Point;
+use crate::scene::{BodyId, SceneError};
+use crate::vector::length;
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+/// Most grids.
+const MOST_FIELDS: usize = 4;
+/// Radius of the probe that measures distances, relative to a cell.
+const PROBE: f64 = power_of_two(-10);
+
+/// Bodies that stand still, by the moving bodies that are tested against them.
+type StandingGroups = BTreeMap<Vec<usize>, Vec<BodyId>>;
+
+/// A pair of bodies of the robot with a table.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct TabledPair {
+    pub(super) table: usize,
+    /// By index among the bodies of the robot.
+    pub(super) bodies: [usize; 2],
+    /// By index among those that move, if both do.
+    pub(super) moving: Option<[usize; 2]>,
+}
+
+/// The bounds of a robot among bodies that stand still.
+#[derive(Clone, Debug)]
+pub(crate) struct Screen {
+    pub(super) chain: LaneChain,
+    pub(super) bodies: Vec<LaneBody>,
+    pub(super) fields: Vec<Field>,
+    /// Pairs of moving bodies that have no table.
+    pub(super) pairs: Vec<[usize; 2]>,
+    pub(super) bounds: Arc<RobotBounds>,
+    pub(super) tabled: Vec<TabledPair>,
+    /// Whether bodies meet that do not move.
+    pub(super) is_blocked: bool,
+    pub(super) cell: f64,
+}
+
+impl Screen {
+    /// With cells of this width. `None` if the bounds do not cover such a robot or scene.
+    pub(in crate::planning) fn new(
+        around: &ScreenedScene<'_>,
+        bounds: &Arc<RobotBounds>,
+        cell: f64,
+    ) -> Result<Option<Self>, SceneError> {
+        let Some(chain) = LaneChain::new(&around.kinematics) else { return Ok(None) };
+        let Some(bodies) = lane_bodies(around, &chain, bounds) else { return Ok(None) };
+        let mut screen = Self {
+            chain,
+            bodies,
+            fields: Vec::new(),
+            pairs: Vec::new(),
+            bounds: Arc::clone(bounds),
+            tabled: Vec::new(),
+            is_blocked: false,
+            cell,
+        };
+        screen.set_pairs(around)?;
+        let is_made = screen.set_fields(around)?;
+        Ok(is_made.then_some(screen))
+    }
+
+    /// Bytes of its grids and tables.
+    pub(in crate::planning) fn bytes(&self) -> usize {
+        self.fields.iter().map(|field| field.grid.bytes()).sum::<usize>() + self.bounds.tables.bytes()
+    }
+
+    /// The pairs of bodies of the robot that are tested.
+    fn set_pairs(&mut self, around: &ScreenedScene<'_>) -> Result<(), SceneError> {
+        for i in 0..around.links.len() {
+            for j in i + 1..around.links.len() {
+                let bodies = [i, j].map(|body| around.links[body]);
+                if !around.scene.is_asked(bodies[0], bodies[1])? {
+                    continue;
+                }
+                let [a, b] = [i, j].map(|of| self.bodies.iter().position(|moving| moving.body == of));
+                let moving = a.zip(b).map(|(a, b)| [a, b]);
+                if let Some(table) = self.bounds.tables.find(i, j) {
+                    if self.bounds.tables.get(table).is_some_and(PairTable::is_free) {
+                        continue;
+                    }
+                    self.tabled.push(TabledPair { table, bodies: [i, j], moving });
+                } else if let Some(moving) = moving {
+                    self.pairs.push(moving);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The bodies that stand still, by the moving ones that are tested against them. `None` if an object moves.
+    fn groups(&self, around: &ScreenedScene<'_>) -> Result<Option<StandingGroups>, SceneError> {
+        let mut groups = StandingGroups::new();
+        let is_moving = |id: &BodyId| self.bodies.iter().any(|body| body.id == *id);
+        let own = around.links.iter().enumerate().map(|(i, id)| (Some(i), id));
+        let others = around.objects.iter().map(|id| (None, id));
+        for (own, &id) in own.chain(others).filter(|(_, id)| !is_moving(id)) {
+            if around.scene.attached_to(id)?.is_some() {
+                return Ok(None);
+            }
+            let mut asked = Vec::new();
+            for (i, body) in self.bodies.iter().enumerate() {
+                let has_table = own.is_some_and(|own| self.bounds.tables.find(own, body.body).is_some());
+                if !has_table && around.scene.is_asked(body.id, id)? {
+                    asked.push(i);
+                }
+            }
+            groups.entry(asked).or_default().push(id);
+        }
+        Ok(Some(groups))
+    }
+
+    /// Makes all grids. False if there would be too many, or an object moves.
+    fn set_fields(&mut self, around: &ScreenedScene<'_>) -> Result<bool, SceneError> {
+        self.fields.clear();
+        self.update_fields(around, None)
+    }
+
+    /// After the body `id` was inserted, moved or removed: computes what is near the boxes around it before and after.
+    /// False if the bounds no longer apply.
+    pub(in crate::planning) fn update(
+        &mut self,
+        around: &ScreenedScene<'_>,
+        id: BodyId,
+        boxes: &[Box3],
+    ) -> Result<bool, SceneError> {
+        self.update_fields(around, Some((id, boxes)))
+    }
+
+    fn update_fields(
+        &mut self,
+        around: &ScreenedScene<'_>,
+        changed: Option<(BodyId, &[Box3])>,
+    ) -> Result<bool, SceneError> {
+        let Some(mut groups) = self.groups(around)? else { return Ok(false) };
+        self.set_blocked(around, &groups)?;
+        groups.retain(|asked, _| !asked.is_empty());
+        if groups.len() > MOST_FIELDS {
+            return Ok(false);
+        }
+        let mut before = core::mem::take(&mut self.fields);
+        for (key, standing) in groups {
+            let old = before.iter().position(|field| field.key == key).map(|i| before.swap_remove(i));
+            let grid = match (old, changed) {
+                (Some(old), Some((id, boxes))) => self.updated(around, old, &standing, (id, boxes))?,
+                _ => None,
+            };
+            let grid = match grid {
+                Some(grid) => grid,
+                None => self.grid(around, &key, &standing)?,
+            };
+            let more = ROUNDING * self.bounds.size;
+            let field = Field::new(around, &self.bodies, (key, standing), grid, more)?;
+            self.fields.push(field);
+        }
+        Ok(true)
+    }
+
+    /// The grid of a field after one body changed. `None` if it is too small or of another kind.
+    fn updated(
+        &self,
+        around: &ScreenedScene<'_>,
+        old: Field,
+        standing: &[BodyId],
+        (id, boxes): (BodyId, &[Box3]),
+    ) -> Result<Option<ClearanceGrid>, SceneError> {
+        let mut grid = old.grid;
+        let size = self.grid_size(around, &old.key, standing)?;
+        let corners = self.reached(around, &old.key, standing, &size)?;
+        if *grid.size() != size || !grid.holds(&corners) {
+            return Ok(None);
+        }
+        if old.standing.contains(&id) || standing.contains(&id) {
+            let mut still = Standing::new(around.scene, standing, PROBE * self.cell, &around.query)?;
+            for bounds in boxes.iter().filter(|bounds| !bounds.is_empty()) {
+                let corners = [bounds.lower, bounds.upper].map(|corner| corner.map(f64::from));
+                grid.update(&mut still, &corners)?;
+            }
+        }
+        Ok(Some(grid))
+    }
+
+    fn set_blocked(&mut self, around: &ScreenedScene<'_>, groups: &StandingGroups) -> Result<(), SceneError> {
+        let standing: Vec<BodyId> = groups.values().flatten().copied().collect();
+        self.is_blocked = false;
+        for (i, &a) in standing.iter().enumerate() {
+            for &b in &standing[i + 1..] {
+                if !self.is_blocked && around.scene.is_asked(a, b)? {
+                    self.is_blocked = around.scene.do_meet(&around.query, a, b)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn grid_size(
+        &self,
+        around: &ScreenedScene<'_>,
+        asked: &[usize],
+        standing: &[BodyId],
+    ) -> Result<GridSize, SceneError> {
+        let spheres =
+            || asked.iter().flat_map(|&i| self.bodies[i].fine.iter().chain([&self.bodies[i].whole]));
+        let mut inner = spheres().map(|sphere| sphere.inner).fold(0.0, f64::max);
+        for &id in standing {
+            // A body may be in it through a hole and meet nothing.
+            if around.scene.has_caps(id)? {
+                inner = 0.0;
+            }
+        }
+        let outer = spheres().map(|sphere| sphere.outer).fold(0.0, f64::max);
+        // A cell more than the largest sphere, which is then free where it is a cell away.
+        Ok(GridSize { cell: self.cell, outer: outer.max(inner) + 2.0 * self.cell, inner })
+    }
+
+    fn grid(
+        &self,
+        around: &ScreenedScene<'_>,
+        asked: &[usize],
+        standing: &[BodyId],
+    ) -> Result<ClearanceGrid, SceneError> {
+        let size = self.grid_size(around, asked, standing)?;
+        let corners = self.reached(around, asked, standing, &size)?;
+        let mut still = Standing::new(around.scene, standing, PROBE * self.cell, &around.query)?;
+        ClearanceGrid::new(&mut still, corners, size)
+    }
+
+    /// A box outside of which no sphere of the bodies meets what stands still.
+    fn reached(
+        &self,
+        around: &ScreenedScene<'_>,
+        asked: &[usize],
+        standing: &[BodyId],
+        size: &GridSize,
+    ) -> Result<[Point; 2], SceneError> {
+        let boxes = standing.iter().map(|&id| around.scene.bounds_of(id)).collect::<Result<Vec<_>, _>>()?;
+        let reach = asked.iter().map(|&i| self.reach(&self.bodies[i])).fold(0.0, f64::max);
+        let base = around.kinematics.base().translation();
+        let room = size.outer + self.cell;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for bounds in boxes.iter().filter(|bounds| !bounds.is_empty()) {
+            for i in 0..3 {
+                low[i] = low[i].min(f64::from(bounds.lower[i]) - room);
+                high[i] = high[i].max(f64::from(bounds.upper[i]) + room);
+            }
+        }
+        for i in 0..3 {
+            (low[i], high[i]) = (low[i].max(base[i] - reach), high[i].min(base[i] + reach));
+            if low[i] > high[i] {
+                (low[i], high[i]) = (base[i], base[i]);
+            }
+        }
+        Ok([low, high])
+    }
+
+    /// Upper bound of the distance of any centre of a body from the base.
+    fn reach(&self, body: &LaneBody) -> f64 {
+        let away = |sphere: &LaneSphere| length(&sphere.centre.map(f64::from)) + sphere.outer;
+        self.chain.reach_from_base(body.link) + body.spheres().map(away).fold(0.0, f64::max) + self.cell
+    }
+}

@@ -1,0 +1,36 @@
+//! Queries of some pairs of a scene.
+
+use super::body::{Body, BodyId};
+use super::error::SceneError;
+use super::placement::Scene;
+use crate::node::{Box3, Dop};
+use crate::query::{Lanes, Query, Verdict};
+
+impl<'t, N: Dop> Scene<'t, N> {
+    pub(crate) fn body(&self, id: BodyId) -> Result<&Body<'t, N>, SceneError> {
+        self.memory.slots[self.index(id)?].body.as_ref().ok_or(SceneError::NoSuchBody { id })
+    }
+
+    /// Whether it is a solid with holes that are capped.
+    pub(crate) fn has_caps(&self, id: BodyId) -> Result<bool, SceneError> {
+        Ok(self.body(id)?.tree.caps().is_some())
+    }
+
+    /// The box around a body in the world.
+    pub(crate) fn bounds_of(&self, id: BodyId) -> Result<Box3, SceneError> {
+        Ok(self.memory.bounds(self.index(id)?))
+    }
+}
+
+impl<N: Lanes> Scene<'_, N> {
+    /// Whether two bodies meet that are tested against each other: the verdict of [`Scene::collide`] for this pair.
+    pub(crate) fn do_meet(&self, query: &Query, a: BodyId, b: BodyId) -> Result<bool, SceneError> {
+        let (i, j) = self.place_to_ask(a, b)?;
+        let pair = self.pair_now(i as u32, j as u32);
+        let is_empty = [i, j].iter().any(|&i| self.memory.bounds(i).is_empty());
+        if is_empty || pair.depth < 0.0 || !self.is_asked(a, b)? {
+            return Ok(false);
+        }
+        Ok(matches!(self.ask_within(query, &pair, 0.0)?.verdict, Verdict::Hit(_)))
+    }
+}
