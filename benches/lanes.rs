@@ -76,7 +76,7 @@ fn run(folder: &Path, setting: &Setting) {
             times[2].push(time);
             let wrong = exact.iter().zip(&found).filter(|(a, b)| a != b).count();
             assert_eq!(wrong, 0, "verdicts differ");
-            if times[0].len() % ROUNDS == 0 {
+            if times[0].len().is_multiple_of(ROUNDS) {
                 let mut workspace = scene.workspace();
                 for ((decided, exact), values) in
                     decided.iter().zip(&exact).zip(values.chunks(scene.variables()))
