@@ -11,7 +11,7 @@ use core::ops::ControlFlow;
 use simdop::construct::{Builder, Geometry, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError};
 use simdop::isa::Isa;
-use simdop::node::{Node4, Node16};
+use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::{nearer, within};
 use simdop::primitive::triangle::{Triangle, Triangles, overlap};
@@ -238,10 +238,8 @@ fn check<N: Lanes>() {
 #[test]
 fn segments_are_decided_as_brute_force_decides_them() {
     check::<Node16<18>>();
-    // The oracle is slow in an emulator.
-    if suite_step() == 1 {
-        check::<Node4<14>>();
-    }
+    #[cfg(simdop_all_nodes)]
+    check::<simdop::node::Node4<14>>();
 }
 
 #[test]
