@@ -1,10 +1,12 @@
 //! Pairs of a robot's bodies whose relative pose depends on one to three variables: a table over their values.
 //!
-//! Each cell of the table is a box of values. It says that the bodies meet nowhere in it, or everywhere, as
-//! [`Scene::classify_pair`] certifies boxes, or neither. Boxes of many cells are asked first, and halved where they are
-//! not certain. Spheres inside of both bodies that overlap deeper than points move in a box certify it, too. The other variables move both bodies as one, and change only the rounding of their poses, which is in
-//! the allowance [`ROUNDING`]. Boxes are larger than their cells by 2^-30 of the limits, more than a value can be off
-//! when its cell is looked up.
+//! Each cell of the table says that the bodies meet nowhere in it, or everywhere, as [`Scene::classify_pair`] certifies
+//! boxes, or neither. Boxes of many cells are asked first, and halved where they are not certain. A box is also certain
+//! where spheres inside of both bodies overlap deeper than any point moves in the box.
+//!
+//! The other variables move both bodies as one, and change only the rounding of their poses, which is in the allowance
+//! [`ROUNDING`]. Boxes are larger than their cells by 2^-30 of the limits, more than a value can be off when its cell is
+//! looked up.
 
 use super::lanes::LANES;
 use super::links::LinkSpheres;
