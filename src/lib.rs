@@ -228,6 +228,7 @@ pub use scene::Scene;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 
-#[cfg(doctest)]
+// Its second program needs the feature.
+#[cfg(all(doctest, feature = "planning"))]
 #[doc = include_str!("../README.md")]
 struct Readme;
