@@ -13,10 +13,13 @@ mod data;
 mod rng;
 #[path = "support/robots.rs"]
 mod robots;
+#[path = "support/short.rs"]
+mod short;
 
 use data::directory;
 use rng::Rng;
 use robots::{SETTINGS, Setting};
+use short::count;
 use simdop::planning::{PlanningScene, RobotFiles};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
@@ -28,8 +31,9 @@ use std::time::Instant;
 
 /// Width of a cell, in metres.
 const CELL: f64 = 0.02;
+/// In the long form.
 const ROUNDS: usize = 9;
-/// Configurations of a problem.
+/// Configurations of a problem, in the long form.
 const MANY: usize = 2048;
 
 fn main() {
@@ -49,11 +53,12 @@ fn run(folder: &Path, setting: &Setting) {
     let at = folder.join("robots").join(setting.robot);
     let file = |extension: &str| at.join(format!("{}.{extension}", setting.robot));
     let model = Arc::new(RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap());
+    let (rounds, many) = (count(ROUNDS, 1), count(MANY, 128));
     let mut rng = Rng::new(3);
     let mut times: [Vec<f64>; 3] = Default::default();
     let (mut shares, mut builds, mut updates, mut bytes) = ([0; 4], Vec::new(), Vec::new(), 0);
     let mut open = BTreeMap::new();
-    let problems = setting.problems(folder, &setting.robot(folder), 70);
+    let problems = setting.problems(folder, &setting.robot(folder), count(70, 350));
     for problem in &problems {
         let mut scene = PlanningScene::new(Arc::clone(&model)).unwrap();
         for obstacle in &problem.obstacles {
@@ -66,8 +71,8 @@ fn run(folder: &Path, setting: &Setting) {
             println!("{}: spheres, tables and cells made in {time:.2} s", setting.name);
         }
         builds.push(time);
-        let values: Vec<f64> = (0..MANY).flat_map(|_| scene.random(|| rng.range(0.0, 1.0))).collect();
-        for _ in 0..ROUNDS {
+        let values: Vec<f64> = (0..many).flat_map(|_| scene.random(|| rng.range(0.0, 1.0))).collect();
+        for _ in 0..rounds {
             let (time, exact) = timed(|| scene.free(&values).unwrap());
             times[0].push(time);
             let (time, found) = timed(|| bounded.free(&values).unwrap());
@@ -76,7 +81,7 @@ fn run(folder: &Path, setting: &Setting) {
             times[2].push(time);
             let wrong = exact.iter().zip(&found).filter(|(a, b)| a != b).count();
             assert_eq!(wrong, 0, "verdicts differ");
-            if times[0].len().is_multiple_of(ROUNDS) {
+            if times[0].len().is_multiple_of(rounds) {
                 let mut workspace = scene.workspace();
                 for ((decided, exact), values) in
                     decided.iter().zip(&exact).zip(values.chunks(scene.variables()))
@@ -103,8 +108,8 @@ fn run(folder: &Path, setting: &Setting) {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2] * unit
     };
-    let per = 1e6 / MANY as f64;
-    let of = |count: usize| 100.0 * count as f64 / (problems.len() * MANY) as f64;
+    let per = 1e6 / many as f64;
+    let of = |count: usize| 100.0 * count as f64 / (problems.len() * many) as f64;
     let [exact, bounds, alone] = times.each_mut().map(|times| median(times, per));
     println!(
         "{}: us a configuration, medians: scene {exact:.3}, bounds {bounds:.3}, bounds alone {alone:.3}",
