@@ -19,7 +19,7 @@ pub struct RobotModel {
     pairs: Vec<(usize, usize)>,
     groups: Vec<JointGroup>,
     /// Made when a scene asks for them.
-    bounds: OnceLock<Option<Arc<RobotBounds>>>,
+    pub(super) bounds: OnceLock<Option<Arc<RobotBounds>>>,
 }
 
 impl RobotModel {

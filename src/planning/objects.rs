@@ -24,7 +24,7 @@ impl PlanningScene {
         let id = self.scene.insert(body, world)?;
         self.objects.push((id, name.into()));
         self.stamp = stamp();
-        self.update_screen(id, None)?;
+        self.update_screen(id, None);
         Ok(id)
     }
 
@@ -38,7 +38,8 @@ impl PlanningScene {
         self.stamp = stamp();
         let before = self.scene.bounds_of(object)?;
         self.scene.place(object, world)?;
-        self.update_screen(object, Some(before))
+        self.update_screen(object, Some(before));
+        Ok(())
     }
 
     /// Removes an object. What is attached to it stays where it is.
@@ -51,7 +52,7 @@ impl PlanningScene {
         let body = self.scene.remove(object)?;
         self.objects.retain(|(id, _)| *id != object);
         self.stamp = stamp();
-        self.update_screen(object, Some(before))?;
+        self.update_screen(object, Some(before));
         Ok(body)
     }
 
@@ -83,7 +84,8 @@ impl PlanningScene {
             self.scene.allow_collision(object, id)?;
         }
         self.stamp = stamp();
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     /// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links again.
@@ -100,7 +102,8 @@ impl PlanningScene {
         for &link in &self.links {
             self.scene.forbid_collision(object, link)?;
         }
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     fn check_object(&self, object: BodyId) -> Result<(), PlanningError> {

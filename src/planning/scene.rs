@@ -124,7 +124,8 @@ impl PlanningScene {
         crate::scene::check_pose(world)?;
         self.base = *world;
         self.stamp = stamp();
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     /// Allows two bodies to meet: no query tests the pair.
@@ -134,7 +135,8 @@ impl PlanningScene {
     pub fn allow_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
         self.stamp = stamp();
         self.scene.allow_collision(a, b)?;
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     /// Forbids two bodies to meet: all queries test the pair.
@@ -144,7 +146,8 @@ impl PlanningScene {
     pub fn forbid_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), PlanningError> {
         self.stamp = stamp();
         self.scene.forbid_collision(a, b)?;
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     /// The bodies of a link, or the one body of this name.

@@ -30,7 +30,8 @@ impl PlanningScene {
         }
         self.cell = Some(cell);
         self.stamp = stamp();
-        self.set_screen()
+        self.set_screen();
+        Ok(())
     }
 
     /// Bytes of the cells of [`PlanningScene::use_bounds`]. `None` where the bounds do not apply.
@@ -71,25 +72,39 @@ impl PlanningScene {
         Ok(verdicts)
     }
 
-    /// Makes the bounds, if they are wanted, for the scene as it is now.
-    pub(super) fn set_screen(&mut self) -> Result<(), PlanningError> {
-        // An error leaves none.
-        self.screen = None;
-        let Some((cell, bounds)) = self.cell.zip(self.robot.bounds()) else { return Ok(()) };
-        let (objects, Some(placed)) = (self.object_ids(), self.workspace_at_rest()) else { return Ok(()) };
-        let screen = Screen::new(&self.around(&placed, &objects), bounds, cell)?;
-        self.screen = screen.map(Arc::new);
-        Ok(())
+    /// Makes the bounds, if they are wanted, for the scene as it is now. None where they do not apply, or where what
+    /// they ask of the scene is an error: a change of the scene does not fail because of its bounds.
+    pub(super) fn set_screen(&mut self) {
+        self.screen = self.new_screen().map(Arc::new);
+    }
+
+    fn new_screen(&self) -> Option<Screen> {
+        // First, since those of a robot are made on request.
+        let cell = self.cell?;
+        let bounds = self.robot.bounds()?;
+        let (objects, placed) = (self.object_ids(), self.workspace_at_rest()?);
+        Screen::new(&self.around(&placed, &objects), bounds, cell).ok()?
     }
 
     /// As [`PlanningScene::set_screen`], after one object was inserted, moved or removed that was in the box `before`.
-    pub(super) fn update_screen(&mut self, id: BodyId, before: Option<Box3>) -> Result<(), PlanningError> {
-        let Some(mut screen) = self.screen.take() else { return self.set_screen() };
+    pub(super) fn update_screen(&mut self, id: BodyId, before: Option<Box3>) {
+        match self.screen.take() {
+            None => self.set_screen(),
+            Some(screen) => self.screen = self.updated_screen(screen, id, before),
+        }
+    }
+
+    fn updated_screen(
+        &self,
+        mut screen: Arc<Screen>,
+        id: BodyId,
+        before: Option<Box3>,
+    ) -> Option<Arc<Screen>> {
         let boxes: Vec<Box3> = [before, self.scene.bounds_of(id).ok()].into_iter().flatten().collect();
-        let (objects, Some(placed)) = (self.object_ids(), self.workspace_at_rest()) else { return Ok(()) };
-        let is_made = Arc::make_mut(&mut screen).update(&self.around(&placed, &objects), id, &boxes)?;
-        self.screen = is_made.then_some(screen);
-        Ok(())
+        let (objects, placed) = (self.object_ids(), self.workspace_at_rest()?);
+        let around = self.around(&placed, &objects);
+        let is_made = Arc::make_mut(&mut screen).update(&around, id, &boxes).ok()?;
+        is_made.then_some(screen)
     }
 
     fn object_ids(&self) -> Vec<BodyId> {
@@ -197,5 +212,27 @@ impl PlanningScene {
             }
         }
         Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::planning::{PlanningScene, RobotFiles};
+    use crate::pose::Pose;
+    use crate::primitive::Shape;
+    use crate::scene::Body;
+
+    /// They take seconds of some robots, which a scene that is not asked for them must not cost.
+    #[test]
+    fn bounds_of_a_robot_are_made_on_request() {
+        let arm = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/arm/arm.urdf");
+        let mut scene = PlanningScene::new(RobotFiles::new(arm).load().unwrap()).unwrap();
+        let cup = Body::new(Shape::cuboid([0.1; 3]).unwrap());
+        let cup = scene.insert("cup", cup, &Pose::IDENTITY.shifted(&[1.0, 0.0, 0.0])).unwrap();
+        scene.place(cup, &Pose::IDENTITY.shifted(&[2.0, 0.0, 0.0])).unwrap();
+        scene.place_base(&Pose::IDENTITY).unwrap();
+        assert!(scene.robot.bounds.get().is_none());
+        scene.use_bounds(0.05).unwrap();
+        assert!(scene.robot.bounds.get().is_some());
     }
 }

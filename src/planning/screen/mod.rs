@@ -3,9 +3,11 @@
 //! Each body of the robot is covered by spheres, and some spheres are inside of it ([`links`]). Where they are in
 //! sixteen configurations, up to a bound of the error, follows from kinematics in lanes ([`chain`]). Everything that
 //! stands still is in clearance grids ([`grid`]), so that one look-up a sphere says free, met, or neither. Pairs of
-//! bodies that both move compare their spheres ([`apart`]), or have a [`table`]. Whatever stays open is a pair of bodies in a lane, and goes
-//! to the scene. So verdicts are those of the scene: where the bounds say free, the bodies are farther apart than the
-//! rounding of the scene's poses, and where they say met, deeper in each other.
+//! bodies that both move compare their spheres ([`apart`]), or have a [`table`].
+//!
+//! Whatever stays open is a pair of bodies in a lane, and goes to the scene. So verdicts are those of the scene: where
+//! the bounds say free, the bodies are farther apart than the rounding of the scene's poses, and where they say met,
+//! deeper in each other.
 
 mod apart;
 mod blocks;
