@@ -1,13 +1,65 @@
 //! One pose or many, on one thread or several, without the interpreter's lock.
 
-use crate::arrays::Poses;
+use crate::arrays::{Poses, array, table};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use simdop::Pose;
 
 /// What one pose or many give.
+#[derive(Debug)]
 pub(crate) enum Answers<T> {
     One(T),
     Many(Vec<T>),
+}
+
+impl<T> Answers<T> {
+    pub(crate) fn map<U>(self, of: impl Fn(T) -> U) -> Answers<U> {
+        match self {
+            Self::One(found) => Answers::One(of(found)),
+            Self::Many(found) => Answers::Many(found.into_iter().map(of).collect()),
+        }
+    }
+
+    /// A number or a truth value, or an array of them.
+    pub(crate) fn values<V: numpy::Element + for<'py> IntoPyObject<'py>>(
+        &self,
+        py: Python<'_>,
+        value: impl Fn(&T) -> V,
+    ) -> PyResult<Py<PyAny>> {
+        match self {
+            Self::One(found) => value(found).into_py_any(py),
+            Self::Many(found) => Ok(array(py, found.iter().map(value).collect()).into_any().unbind()),
+        }
+    }
+
+    /// K numbers, or an array of them.
+    pub(crate) fn rows<const K: usize>(
+        &self,
+        py: Python<'_>,
+        row: impl Fn(&T) -> [f64; K],
+    ) -> PyResult<Py<PyAny>> {
+        match self {
+            Self::One(found) => Ok(array(py, row(found).to_vec()).into_any().unbind()),
+            Self::Many(found) => Ok(table(py, found.iter().map(row).collect())?.into_any().unbind()),
+        }
+    }
+
+    /// Of many poses.
+    pub(crate) fn len(&self, what: &str) -> PyResult<usize> {
+        match self {
+            Self::One(_) => Err(PyTypeError::new_err(format!("the {what} at one pose has no length"))),
+            Self::Many(found) => Ok(found.len()),
+        }
+    }
+
+    /// Of one pose; `otherwise` is what is wrong at several.
+    pub(crate) fn float(&self, otherwise: &'static str, number: impl Fn(&T) -> f64) -> PyResult<f64> {
+        match self {
+            Self::One(found) => Ok(number(found)),
+            Self::Many(_) => Err(PyTypeError::new_err(otherwise)),
+        }
+    }
 }
 
 /// Fewer poses are not worth a thread.

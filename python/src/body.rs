@@ -2,7 +2,7 @@
 
 use crate::answers::{PyDistance, PyPenetration};
 use crate::arrays::{array, numbers, pose, poses, rows, single_rows, table, triangles, vector};
-use crate::batch::{Answers, each};
+use crate::batch::each;
 use crate::error::{OrRaise, raise_as, raised};
 use crate::geometry::Geometry;
 use crate::pair::{self, Search};
@@ -412,7 +412,7 @@ impl PyBody {
     ) -> PyResult<Py<PyAny>> {
         let (a, b) = (self.0.view(), other.0.view());
         let poses = poses(pose, "pose")?;
-        verdicts(py, each(py, &poses, threads, |pose| Ok(!pair::collide(&a, &b, pose)?.is_free()))?)
+        each(py, &poses, threads, |pose| Ok(!pair::collide(&a, &b, pose)?.is_free()))?.values(py, |hit| *hit)
     }
 
     /// Whether this body, placed by ``pose`` in the frame of ``other``, comes within ``margin`` of it. Never falsely
@@ -428,7 +428,8 @@ impl PyBody {
     ) -> PyResult<Py<PyAny>> {
         let (a, b) = (self.0.view(), other.0.view());
         let poses = poses(pose, "pose")?;
-        verdicts(py, each(py, &poses, threads, |pose| Ok(!pair::within(&a, &b, pose, margin)?.is_free()))?)
+        each(py, &poses, threads, |pose| Ok(!pair::within(&a, &b, pose, margin)?.is_free()))?
+            .values(py, |hit| *hit)
     }
 
     /// The distance of this body, placed by ``pose`` in the frame of ``other``, from it, and where they are closest.
@@ -448,10 +449,7 @@ impl PyBody {
         let (a, b) = (self.0.view(), other.0.view());
         let poses = poses(pose, "pose")?;
         let search = Search { tolerance, cutoff };
-        Ok(match each(py, &poses, threads, |pose| pair::distance(&a, &b, pose, search))? {
-            Answers::One(distance) => PyDistance::one(distance),
-            Answers::Many(distances) => PyDistance::many(distances),
-        })
+        Ok(each(py, &poses, threads, |pose| pair::distance(&a, &b, pose, search))?.into())
     }
 
     /// The volume that two bodies of spheres have in common, such as packings, and the direction that separates them.
@@ -465,10 +463,7 @@ impl PyBody {
     ) -> PyResult<PyPenetration> {
         let (a, b) = (self.0.sphere_tree("penetration")?, other.0.sphere_tree("penetration")?);
         let poses = poses(pose, "pose")?;
-        Ok(match each(py, &poses, threads, |pose| Ok(pair::query().penetration(&a, &b, pose)))? {
-            Answers::One(found) => PyPenetration::new(vec![found], true),
-            Answers::Many(found) => PyPenetration::new(found, false),
-        })
+        Ok(PyPenetration(each(py, &poses, threads, |pose| Ok(pair::query().penetration(&a, &b, pose)))?))
     }
 }
 
@@ -478,12 +473,5 @@ impl PyBody {
             let message = "the body is one shape, without a tree: Body.shapes() builds one".to_owned();
             raise_as::<raised::BodyError>(message)
         })
-    }
-}
-
-fn verdicts(py: Python<'_>, answers: Answers<bool>) -> PyResult<Py<PyAny>> {
-    match answers {
-        Answers::One(verdict) => Ok(verdict.into_pyobject(py)?.to_owned().into_any().unbind()),
-        Answers::Many(verdicts) => Ok(array(py, verdicts).into_any().unbind()),
     }
 }

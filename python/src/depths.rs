@@ -1,67 +1,11 @@
 //! How deep two bodies are in each other, and their signed distance.
 
-use crate::arrays::{array, numbers, poses, table};
+use crate::arrays::{numbers, poses};
 use crate::batch::{Answers, each};
 use crate::body::PyBody;
 use crate::pair;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use simdop::query::{Completion, DepthInterval, SignedDistance};
-
-/// Found at one pose, or at each of n poses.
-#[derive(Debug)]
-struct Found<T> {
-    found: Vec<T>,
-    is_one: bool,
-}
-
-impl<T> From<Answers<T>> for Found<T> {
-    fn from(answers: Answers<T>) -> Self {
-        match answers {
-            Answers::One(found) => Self { found: vec![found], is_one: true },
-            Answers::Many(found) => Self { found, is_one: false },
-        }
-    }
-}
-
-impl<T> Found<T> {
-    /// A number, or an array of them.
-    fn numbers(&self, py: Python<'_>, number: impl Fn(&T) -> f64) -> PyResult<Py<PyAny>> {
-        if self.is_one {
-            return Ok(number(&self.found[0]).into_pyobject(py)?.into_any().unbind());
-        }
-        Ok(array(py, self.found.iter().map(number).collect()).into_any().unbind())
-    }
-
-    /// K numbers, or an array of them.
-    fn rows<const K: usize>(&self, py: Python<'_>, row: impl Fn(&T) -> [f64; K]) -> PyResult<Py<PyAny>> {
-        if self.is_one {
-            return Ok(array(py, row(&self.found[0]).to_vec()).into_any().unbind());
-        }
-        Ok(table(py, self.found.iter().map(row).collect())?.into_any().unbind())
-    }
-
-    fn truths(&self, py: Python<'_>, truth: impl Fn(&T) -> bool) -> PyResult<Py<PyAny>> {
-        if self.is_one {
-            return Ok(truth(&self.found[0]).into_pyobject(py)?.to_owned().into_any().unbind());
-        }
-        Ok(array(py, self.found.iter().map(truth).collect()).into_any().unbind())
-    }
-
-    fn len(&self, what: &str) -> PyResult<usize> {
-        if self.is_one {
-            return Err(PyTypeError::new_err(format!("the {what} at one pose has no length")));
-        }
-        Ok(self.found.len())
-    }
-
-    fn float(&self, what: &str, number: impl Fn(&T) -> f64) -> PyResult<f64> {
-        if self.is_one {
-            return Ok(number(&self.found[0]));
-        }
-        Err(PyTypeError::new_err(format!("the {what} at several poses is no float")))
-    }
-}
 
 /// How deep two bodies are in each other, at one pose or at each of n poses: the length of the least translation that
 /// takes one out of the other is in ``lower`` to ``upper``.
@@ -69,7 +13,7 @@ impl<T> Found<T> {
 /// Of one pose all attributes are numbers and arrays of the shape (3,); of n poses there is one more dimension.
 #[pyclass(frozen, name = "Depth", module = "simdop")]
 #[derive(Debug)]
-pub(crate) struct PyDepth(Found<DepthInterval>);
+pub(crate) struct PyDepth(Answers<DepthInterval>);
 
 #[pymethods]
 impl PyDepth {
@@ -77,13 +21,13 @@ impl PyDepth {
     /// nothing is known of their insides.
     #[getter]
     fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.0.numbers(py, |found| found.lower)
+        self.0.values(py, |found| found.lower)
     }
 
     /// Upper bound: the length of ``translation``. Zero if and only if the bodies are free. Infinite if none was found.
     #[getter]
     fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.0.numbers(py, |found| found.upper)
+        self.0.values(py, |found| found.upper)
     }
 
     /// After this translation of A, in the frame of B, the bodies are free, or touch up to rounding.
@@ -95,7 +39,7 @@ impl PyDepth {
     /// Whether the search was not cut short by the budget. The bounds are valid in either case.
     #[getter]
     fn is_complete(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.0.truths(py, |found| found.completion == Completion::Complete)
+        self.0.values(py, |found| found.completion == Completion::Complete)
     }
 
     fn __len__(&self) -> PyResult<usize> {
@@ -109,16 +53,19 @@ impl PyDepth {
 
     /// The upper bound.
     fn __float__(&self) -> PyResult<f64> {
-        self.0.float("depth", |found| found.upper)
+        self.0.float("the depth at several poses is no float", |found| found.upper)
     }
 
     fn __repr__(&self) -> String {
-        if self.0.is_one {
-            let DepthInterval { lower, upper, translation, .. } = self.0.found[0];
-            return format!("Depth({lower} ..= {upper}, translation {translation:?})");
+        match &self.0 {
+            Answers::One(DepthInterval { lower, upper, translation, .. }) => {
+                format!("Depth({lower} ..= {upper}, translation {translation:?})")
+            }
+            Answers::Many(found) => {
+                let most = found.iter().map(|found| found.upper).fold(0.0, f64::max);
+                format!("Depth(at {} poses, greatest {most})", found.len())
+            }
         }
-        let most = self.0.found.iter().map(|found| found.upper).fold(0.0, f64::max);
-        format!("Depth(at {} poses, greatest {most})", self.0.found.len())
     }
 }
 
@@ -128,20 +75,20 @@ impl PyDepth {
 /// Of one pose all attributes are numbers and arrays of the shape (3,) or (6,); of n poses there is one more dimension.
 #[pyclass(frozen, name = "SignedDistance", module = "simdop")]
 #[derive(Debug)]
-pub(crate) struct PySignedDistance(Found<SignedDistance>);
+pub(crate) struct PySignedDistance(Answers<SignedDistance>);
 
 #[pymethods]
 impl PySignedDistance {
     /// Lower bound, in the bodies' unit: of bodies that meet, minus the upper bound of their depth.
     #[getter]
     fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.0.numbers(py, |found| found.lower)
+        self.0.values(py, |found| found.lower)
     }
 
     /// Upper bound: of bodies that meet, minus the lower bound of their depth.
     #[getter]
     fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.0.numbers(py, |found| found.upper)
+        self.0.values(py, |found| found.upper)
     }
 
     /// The unit vector along which a translation of A raises the distance the fastest, in the frame of B. Zeros if none
@@ -183,16 +130,21 @@ impl PySignedDistance {
     /// The upper bound of a distance; the lower bound where the bodies meet, which is minus the length of a translation
     /// that takes them apart.
     fn __float__(&self) -> PyResult<f64> {
-        self.0.float("signed distance", |found| if found.upper > 0.0 { found.upper } else { found.lower })
+        self.0.float("the signed distance at several poses is no float", |found| {
+            if found.upper > 0.0 { found.upper } else { found.lower }
+        })
     }
 
     fn __repr__(&self) -> String {
-        if self.0.is_one {
-            let SignedDistance { lower, upper, normal, .. } = self.0.found[0];
-            return format!("SignedDistance({lower} ..= {upper}, normal {normal:?})");
+        match &self.0 {
+            Answers::One(SignedDistance { lower, upper, normal, .. }) => {
+                format!("SignedDistance({lower} ..= {upper}, normal {normal:?})")
+            }
+            Answers::Many(found) => {
+                let least = found.iter().map(|found| found.lower).fold(f64::INFINITY, f64::min);
+                format!("SignedDistance(at {} poses, least {least})", found.len())
+            }
         }
-        let least = self.0.found.iter().map(|found| found.lower).fold(f64::INFINITY, f64::min);
-        format!("SignedDistance(at {} poses, least {least})", self.0.found.len())
     }
 }
 
@@ -229,7 +181,7 @@ impl PyBody {
         let poses = poses(pose, "pose")?;
         let query = pair::query_within(budget);
         let found = each(py, &poses, threads, |pose| pair::depth(&query, &self.0, &other.0, pose))?;
-        Ok(PyDepth(found.into()))
+        Ok(PyDepth(found))
     }
 
     /// How far this body, placed by ``pose`` in the frame of ``other``, has to move along ``direction``, (3,), until it
@@ -249,7 +201,7 @@ impl PyBody {
         let (poses, direction) = (poses(pose, "pose")?, numbers(direction, "direction")?);
         let (a, b) = (self.0.view(), other.0.view());
         let found = each(py, &poses, threads, |pose| pair::depth_along(&a, &b, pose, direction))?;
-        Found::from(found).numbers(py, |depth| *depth)
+        found.values(py, |depth| *depth)
     }
 
     /// The distance of this body, placed by ``pose`` in the frame of ``other``, from it where they are apart, and minus
@@ -270,6 +222,6 @@ impl PyBody {
         let poses = poses(pose, "pose")?;
         let query = pair::query_within(budget);
         let ask = |pose: &_| pair::signed_distance(&query, &self.0, &other.0, pose, tolerance);
-        Ok(PySignedDistance(each(py, &poses, threads, ask)?.into()))
+        Ok(PySignedDistance(each(py, &poses, threads, ask)?))
     }
 }
