@@ -8,7 +8,7 @@ use crate::frame::BodyBounds;
 use crate::hierarchy::Bvh;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
-use crate::primitive::shape::{Core, hull_of};
+use crate::pose::Pose;
 use crate::primitive::{Primitive, Shape, Shapes, Spheres, Triangles};
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, length};
@@ -209,14 +209,20 @@ impl<N: Dop> BodyTree<'_, N> {
     }
 
     /// A ball around the body, but for a half-space.
-    pub(super) fn ball(&self) -> Option<(Point, f64)> {
+    fn ball(&self) -> Option<(Point, f64)> {
         let BodyTree::Shape(shape) = self.view() else {
             return self.extent().map(|extent| (extent.frame.centre, extent.radius));
         };
-        let (corners, radius) = hull_of(&shape);
-        let centre = Shapes::point(&shape);
-        let reach = corners.map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max) + radius;
-        (!matches!(shape.core(), Core::HalfSpace { .. })).then_some((centre, reach))
+        (!shape.is_half_space()).then(|| shape.ball())
+    }
+
+    /// A translation after which the bodies are more than a margin apart, in any direction: the balls around them are.
+    /// Neither is a half-space.
+    pub(super) fn far(&self, other: &Self, pose: &Pose, margin: f64) -> f64 {
+        let ball = |tree: &Self| tree.ball().unwrap_or(([0.0; 3], 0.0));
+        let ((a, reach_a), (b, reach_b)) = (ball(self), ball(other));
+        let apart = length(&difference(&pose.apply(a), &b));
+        1.01 * (reach_a + reach_b + apart + margin)
     }
 
     pub(super) fn is_empty(&self) -> bool {

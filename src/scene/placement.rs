@@ -1,7 +1,5 @@
 //! A scene: bodies, their poses in the world, and their attachments.
 
-#[cfg(feature = "planning")]
-use super::body::BodyTree;
 use super::body::{Body, BodyId};
 use super::body_size::BodySize;
 use super::error::SceneError;
@@ -100,13 +98,6 @@ impl<'t, N> Scene<'t, N> {
     /// [`SceneError::NoSuchBody`].
     pub fn world_pose(&self, id: BodyId) -> Result<&Pose, SceneError> {
         Ok(&self.memory.slots[self.index(id)?].world)
-    }
-
-    /// The body's geometry.
-    #[cfg(feature = "planning")]
-    pub(crate) fn tree(&self, id: BodyId) -> Result<&BodyTree<'t, N>, SceneError> {
-        let slot = &self.memory.slots[self.index(id)?];
-        slot.body.as_ref().map(|body| &body.tree).ok_or(SceneError::NoSuchBody { id })
     }
 
     /// The body at the end of the chain of attachments; the body itself if it is not attached.

@@ -8,14 +8,14 @@ use super::placement::Scene;
 use crate::exact::power_of_two;
 use crate::node::Dop;
 use crate::primitive::Shape;
-use crate::primitive::shape::{Convex, Core, signed_separation};
+use crate::primitive::shape::{Convex, signed_separation};
 use crate::primitive::triangle::distance::TIGHT;
 use crate::query::{
     ByQueries, Completion, DepthInterval, Distance, Lanes, Query, QueryStats, ToleranceError, checked,
     depth_by, half_space_depth,
 };
 use crate::range::Point;
-use crate::vector::{difference, length, unit};
+use crate::vector::{difference, unit};
 
 /// Bounds of the least signed distance of any two tested bodies: it lies in `lower ..= upper`.
 #[must_use = "a query has no other effect than its answer"]
@@ -64,23 +64,11 @@ struct SignedPair {
 /// Of the depth of two shapes.
 const TOLERANCE: f64 = power_of_two(-30);
 
-fn is_half_space(shape: &Shape) -> bool {
-    matches!(shape.core(), Core::HalfSpace { .. })
-}
-
 impl<N: Lanes + Dop> AskedPair<'_, N> {
-    /// A translation after which the bodies, of which neither is a half-space, are apart in any direction: the balls
-    /// around them are.
-    fn far(&self, margin: f64) -> f64 {
-        let ball = |tree: &BodyTree<'_, N>| tree.ball().unwrap_or(([0.0; 3], 0.0));
-        let ((a, reach_a), (b, reach_b)) = (ball(&self.trees.0), ball(&self.trees.1));
-        let apart = length(&difference(&self.relative.pose().apply(a), &b));
-        1.01 * (reach_a + reach_b + apart + margin)
-    }
-
     /// The depth in the frame of the second, of the bodies with their radii.
     fn depth(&self, query: &Query, margin: f64) -> DepthInterval {
         let pose = self.relative.pose();
+        let far = || self.trees.0.far(&self.trees.1, pose, margin);
         let stats = QueryStats::default();
         with_trees!(
             (&self.trees.0, &self.trees.1),
@@ -94,14 +82,14 @@ impl<N: Lanes + Dop> AskedPair<'_, N> {
                     Some(cloud.body_distance(query, tree, &pose.shifted(t), tolerance, f64::INFINITY))
                 },
                 margin,
-                far: self.far(margin),
+                far: far(),
                 stats,
             }),
             |shape, tree| query.shape_depth_within(&shape.moved(pose), tree, margin),
             |shape, cloud| {
                 let distance =
                     |shape: &Shape, tolerance| cloud.shape_distance(query, shape, tolerance, f64::INFINITY);
-                if is_half_space(shape) {
+                if shape.is_half_space() {
                     half_space_depth(&shape.moved(pose), &cloud.extent(), margin, |away| {
                         distance(away, TIGHT)
                     })
@@ -115,7 +103,7 @@ impl<N: Lanes + Dop> AskedPair<'_, N> {
                             Some(distance(&shape.moved(&pose.shifted(t)), tolerance))
                         },
                         margin,
-                        far: self.far(margin),
+                        far: far(),
                         stats,
                     })
                 }

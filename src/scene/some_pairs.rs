@@ -1,6 +1,6 @@
 //! Queries of some pairs of a scene.
 
-use super::body::{Body, BodyId};
+use super::body::{Body, BodyId, BodyTree};
 use super::error::SceneError;
 use super::placement::Scene;
 use crate::node::{Box3, Dop};
@@ -11,9 +11,14 @@ impl<'t, N: Dop> Scene<'t, N> {
         self.memory.slots[self.index(id)?].body.as_ref().ok_or(SceneError::NoSuchBody { id })
     }
 
+    /// The body's geometry.
+    pub(crate) fn tree(&self, id: BodyId) -> Result<&BodyTree<'t, N>, SceneError> {
+        Ok(&self.body(id)?.tree)
+    }
+
     /// Whether it is a solid with holes that are capped.
     pub(crate) fn has_caps(&self, id: BodyId) -> Result<bool, SceneError> {
-        Ok(self.body(id)?.tree.caps().is_some())
+        Ok(self.tree(id)?.caps().is_some())
     }
 
     /// The box around a body in the world.

@@ -18,14 +18,11 @@ use crate::query::{
     Verdict, Witness, depth_along_by,
 };
 use crate::range::Point;
-use crate::vector::{difference, dot, length, unit};
+use crate::vector::{dot, unit};
 
-/// Evaluates one of four expressions: for two trees, a shape and a tree, two shapes, or any other pair.
-macro_rules! with_pair {
-    (
-        ($of_a:expr, $of_b:expr), |$a:ident, $b:ident|
-        $trees:expr, $beside:expr, $shapes:expr, $others:expr $(,)?
-    ) => {
+/// Evaluates an expression for two trees, or the arms of a match for other pairs.
+macro_rules! of_two_trees {
+    (($of_a:expr, $of_b:expr), |$a:ident, $b:ident| $trees:expr, $($others:tt)+) => {
         match ($of_a, $of_b) {
             (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
             (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
@@ -36,30 +33,26 @@ macro_rules! with_pair {
             (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
             (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
             (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
+            $($others)+
+        }
+    };
+}
+
+/// Evaluates one of four expressions: for two trees, a shape and a tree, two shapes, or any other pair.
+macro_rules! of_two_bodies {
+    (
+        ($of_a:expr, $of_b:expr), |$a:ident, $b:ident|
+        $trees:expr, $beside:expr, $shapes:expr, $others:expr $(,)?
+    ) => {
+        of_two_trees!(
+            ($of_a, $of_b),
+            |$a, $b| $trees,
             (BodyTree::Shape($a), BodyTree::Mesh($b)) => $beside,
             (BodyTree::Shape($a), BodyTree::Spheres($b)) => $beside,
             (BodyTree::Shape($a), BodyTree::Shapes($b)) => $beside,
             (BodyTree::Shape($a), BodyTree::Shape($b)) => $shapes,
             ($a, $b) => $others,
-        }
-    };
-}
-
-/// Evaluates an expression for two trees, or another for any other pair.
-macro_rules! with_trees {
-    (($of_a:expr, $of_b:expr), |$a:ident, $b:ident| $trees:expr, $others:expr $(,)?) => {
-        match ($of_a, $of_b) {
-            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Mesh($a), BodyTree::Shapes($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Shapes($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
-            _ => $others,
-        }
+        )
     };
 }
 
@@ -73,7 +66,7 @@ impl<N: Lanes> BodyTree<'_, N> {
     /// # Errors
     /// [`SceneError`]: both are clouds, or a scene does not accept the pose.
     pub fn collide(&self, query: &Query, other: &Self, pose: &Pose) -> Result<Answer, SceneError> {
-        Ok(with_pair!(
+        Ok(of_two_bodies!(
             (&self.view(), &other.view()),
             |a, b| query.collide(a, b, pose),
             query.collide_shape(a, b, pose),
@@ -93,7 +86,7 @@ impl<N: Lanes> BodyTree<'_, N> {
         pose: &Pose,
         margin: f64,
     ) -> Result<Answer, SceneError> {
-        Ok(with_pair!(
+        Ok(of_two_bodies!(
             (&self.view(), &other.view()),
             |a, b| query.within(a, b, pose, margin)?,
             query.within_shape(a, b, pose, margin)?,
@@ -114,7 +107,7 @@ impl<N: Lanes> BodyTree<'_, N> {
         tolerance: f64,
         cutoff: f64,
     ) -> Result<Distance, SceneError> {
-        Ok(with_pair!(
+        Ok(of_two_bodies!(
             (&self.view(), &other.view()),
             |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff)?,
             query.distance_shape(a, b, pose, tolerance, cutoff)?,
@@ -145,10 +138,10 @@ impl<N: Lanes> BodyTree<'_, N> {
                 tolerance,
             )?);
         }
-        Ok(with_trees!(
+        Ok(of_two_trees!(
             (&a, &b),
             |a, b| query.signed_distance(a, b, pose, tolerance, None)?,
-            signed_in_scene(query, [&a, &b], pose, tolerance)?,
+            _ => signed_in_scene(query, [&a, &b], pose, tolerance)?,
         ))
     }
 
@@ -163,10 +156,10 @@ impl<N: Lanes> BodyTree<'_, N> {
         if let (BodyTree::Shape(a), BodyTree::Shape(b)) = (&a, &b) {
             return Ok(query.depth_shapes(a, b, pose, TOLERANCE));
         }
-        Ok(with_trees!(
+        Ok(of_two_trees!(
             (&a, &b),
             |a, b| query.depth(a, b, pose, None),
-            signed_in_scene(query, [&a, &b], pose, TOLERANCE)?.depth(),
+            _ => signed_in_scene(query, [&a, &b], pose, TOLERANCE)?.depth(),
         ))
     }
 
@@ -196,10 +189,10 @@ impl<N: Lanes> BodyTree<'_, N> {
                 f64::INFINITY
             });
         }
-        Ok(with_trees!(
+        Ok(of_two_trees!(
             (&a, &b),
             |a, b| query.depth_along(a, b, pose, direction).0,
-            self.depth_along_by_queries(query, other, pose, &direction)?,
+            _ => self.depth_along_by_queries(query, other, pose, &direction)?,
         ))
     }
 
@@ -213,9 +206,6 @@ impl<N: Lanes> BodyTree<'_, N> {
         if self.collide(query, other, pose)?.is_free() {
             return Ok(0.0);
         }
-        let ball = |tree: &Self| tree.ball().unwrap_or(([0.0; 3], 0.0));
-        let ((a, reach_a), (b, reach_b)) = (ball(self), ball(other));
-        let apart = length(&difference(&pose.apply(a), &b));
         let mut bodies = ByQueries {
             query: *query,
             within: |query: &Query, t: &Point| self.collide(query, other, &pose.shifted(t)).ok(),
@@ -223,7 +213,7 @@ impl<N: Lanes> BodyTree<'_, N> {
                 self.distance_up_to(query, other, &pose.shifted(t), tolerance, f64::INFINITY).ok()
             },
             margin: 0.0,
-            far: 1.01 * (reach_a + reach_b + apart),
+            far: self.far(other, pose, 0.0),
             stats: QueryStats::default(),
         };
         Ok(depth_along_by(&mut bodies, direction))

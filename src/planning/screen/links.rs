@@ -9,7 +9,7 @@ use crate::construct::Mesh;
 use crate::hierarchy::BvhRef;
 use crate::packing::Packer;
 use crate::planning::{LinkGeometry, PlanningNode};
-use crate::primitive::shape::{Core, hull_of};
+use crate::primitive::shape::hull_of;
 use crate::primitive::{Shape, Sphere};
 use crate::range::Point;
 use crate::vector::{difference, length};
@@ -61,7 +61,7 @@ impl LinkSpheres {
     }
 
     fn of_shape(shape: &Shape) -> Option<Self> {
-        if matches!(shape.core(), Core::HalfSpace { .. }) {
+        if shape.is_half_space() {
             return None;
         }
         let (corners, radius) = hull_of(shape);

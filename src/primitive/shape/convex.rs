@@ -38,6 +38,10 @@ impl Shape {
         Self { core, radius }
     }
 
+    pub(crate) const fn is_half_space(&self) -> bool {
+        matches!(self.core, Core::HalfSpace { .. })
+    }
+
     /// A ball about the origin.
     ///
     /// # Errors

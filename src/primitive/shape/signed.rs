@@ -3,7 +3,6 @@
 use super::bounds::depth;
 use super::bounds::hulls::{self, ConvexBody, CoreBounds, PosedPoints};
 use super::convex::Shape;
-use super::core::Core;
 use super::pair::separation;
 use crate::exact::power_of_two;
 use crate::pose::Pose;
@@ -62,20 +61,19 @@ const TIGHT: f64 = power_of_two(-42);
 /// let up = |z| Pose::from_rows([[1.0, 0.0, 0.0, 0.1], [0.0, 1.0, 0.0, 0.1], [0.0, 0.0, 1.0, z]]);
 /// let cuboid = |z| Ok::<_, Box<dyn std::error::Error>>(Convex::Shape(Shape::cuboid([0.1; 3])?.moved(&up(z)?)));
 /// let below = signed_separation(&cuboid(-0.25)?, &hull, 1e-9);
-/// assert!((below.upper - 0.2).abs() < 1e-9 && below.normal[2] < -0.999_999);
+/// assert!((below.upper - 0.2).abs() < 1e-12 && below.normal[2] == -1.0);
 /// let inside = signed_separation(&cuboid(-0.03)?, &hull, 1e-9);
-/// assert!((inside.lower + 0.02).abs() < 1e-9 && inside.upper - inside.lower < 1e-9);
+/// assert!((inside.lower + 0.02).abs() < 1e-12 && inside.upper - inside.lower < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 pub fn signed_separation(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> SignedSeparation {
     let tolerance = if tolerance > TIGHT { tolerance } else { TIGHT };
     let ((body_a, radius_a), (body_b, radius_b)) = (side(a), side(b));
-    let is_half_space = |shape: &Shape| matches!(shape.core(), Core::HalfSpace { .. });
     let found = match (&body_a, &body_b) {
         (ConvexBody::Shape(a), ConvexBody::Shape(b)) => return of_shapes(a, b, tolerance),
-        (ConvexBody::Points(points), ConvexBody::Shape(b)) if is_half_space(b) => hulls::above(points, b),
-        (ConvexBody::Shape(a), ConvexBody::Points(points)) if is_half_space(a) => hulls::above(points, a)
+        (ConvexBody::Points(points), ConvexBody::Shape(b)) if b.is_half_space() => hulls::above(points, b),
+        (ConvexBody::Shape(a), ConvexBody::Points(points)) if a.is_half_space() => hulls::above(points, a)
             .map(|CoreBounds { lower, upper, normal, a, b }| CoreBounds {
                 lower,
                 upper,

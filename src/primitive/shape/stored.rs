@@ -7,6 +7,7 @@ use super::hull::{Hull, radius_of};
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
+use crate::vector::{difference, length};
 
 /// Shapes, stored as their numbers: 56 bytes where `f32` holds these exactly, else 112, plus 4 for the index. They may
 /// overlap. Half-spaces, which are not bounded, cannot be stored.
@@ -87,6 +88,15 @@ impl ShapeNumbers {
     fn checked(&self) -> Option<Shape> {
         let shape = self.unchecked()?;
         Shape::new(shape.core, shape.radius).ok().filter(|shape| Self::try_from(shape) == Ok(*self))
+    }
+}
+
+impl Shape {
+    /// A ball around the shape about a point of it: the centre and the radius. NaN for half-spaces.
+    pub(crate) fn ball(&self) -> (Point, f64) {
+        let (hull, centre) = (Hull::of(self), Shapes::point(self));
+        let farthest = hull.corners().map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max);
+        (centre, farthest + hull.radius)
     }
 }
 

@@ -4,12 +4,12 @@
 
 use super::bodies::{ROUGH, slack};
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, Shared, widened};
+use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
-use crate::primitive::shape::{Core, depth, hull_of};
+use crate::primitive::shape::{Core, depth};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::entry::{Completion, PrimitivePair, Query, QueryStats, Verdict};
+use crate::query::entry::{PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, length, unit};
@@ -38,14 +38,6 @@ impl<N: Lanes, Q: Primitive> PosedShape<'_, N, Q>
 where
     Shapes: PrimitivePair<Q>,
 {
-    /// The centre of a ball around the shape, its radius, and a bound of its coordinates.
-    fn ball(&self) -> (Point, f64, f64) {
-        let (corners, radius) = hull_of(self.shape);
-        let centre = Shapes::point(self.shape);
-        let reach = corners.map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max) + radius;
-        (centre, reach, length(&centre) + reach)
-    }
-
     /// The balls about a point of the shape before the translation.
     fn shared(
         &mut self,
@@ -62,7 +54,8 @@ where
             return Ok(None);
         };
         let from_a = of_shape.direction.map(|x| -x);
-        let slack = slack(self.ball().2 + self.tree.extent().max_coordinate, t);
+        let (centre, reach) = self.shape.ball();
+        let slack = slack((length(&centre) + reach) + self.tree.extent().max_coordinate, t);
         Ok(Some(Shared {
             radius: of_shape.lower + in_b.lower - slack,
             point: *point,
@@ -80,27 +73,18 @@ where
         let Some(shape) = translated(self.shape, t) else { return Ok(false) };
         let answer = self.query.after(&self.stats).shape_within(&shape, self.tree, self.margin);
         self.stats = self.stats.and(&answer.stats);
-        match answer.verdict {
-            Verdict::Free => Ok(true),
-            Verdict::Hit(_) => Ok(false),
-            Verdict::Unknown { .. } => Err(OutOfBudget),
-        }
+        verdict_of(&answer)
     }
 
     fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(shape) = translated(self.shape, t) else { return Ok(None) };
         let found = self.query.after(&self.stats).shape_distance(&shape, self.tree, ROUGH, f64::INFINITY);
         self.stats = self.stats.and(&found.stats);
-        if found.completion != Completion::Complete {
-            return Err(OutOfBudget);
-        }
-        let gap = found.lower - self.margin;
-        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
-        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+        gap_of(&found, self.margin)
     }
 
     fn far(&self) -> f64 {
-        let (centre, reach, _) = self.ball();
+        let (centre, reach) = self.shape.ball();
         let tree = self.tree.extent();
         let apart = length(&difference(&centre, &tree.frame.centre));
         1.01 * (reach + tree.radius + apart + self.margin)
@@ -115,7 +99,7 @@ where
         if !self.tree.is_solid() {
             return Ok((0.0, None));
         }
-        let (centre, ..) = self.ball();
+        let (centre, _) = self.shape.ball();
         let back = difference(&self.tree.extent().frame.centre, t);
         let middle = core::array::from_fn(|i| 0.5 * (centre[i] + back[i]));
         let mut best: Option<Shared> = None;

@@ -17,7 +17,7 @@
 
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{PosedPair, Shared, widened};
+use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -174,14 +174,10 @@ where
             query.collide(self.a, self.b, &pose)
         };
         self.stats = self.stats.and(&answer.stats);
-        match answer.verdict {
-            Verdict::Free => Ok(true),
-            Verdict::Hit(_) => {
-                self.hint = answer.hint;
-                Ok(false)
-            }
-            Verdict::Unknown { .. } => Err(OutOfBudget),
+        if let Verdict::Hit(_) = answer.verdict {
+            self.hint = answer.hint;
         }
+        verdict_of(&answer)
     }
 
     fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
@@ -190,12 +186,7 @@ where
             self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
         let Ok(found) = found else { return Ok(None) };
         self.stats = self.stats.and(&found.stats);
-        if found.completion != Completion::Complete {
-            return Err(OutOfBudget);
-        }
-        let gap = found.lower - self.margin;
-        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
-        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+        gap_of(&found, self.margin)
     }
 
     fn far(&self) -> f64 {

@@ -3,16 +3,16 @@
 use super::beside_shape::translated;
 use super::bodies::{ROUGH, slack};
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::{PosedPair, Shared};
+use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of};
 use super::search::interval;
 use super::way_out;
 use crate::frame::BodyBounds;
 use crate::primitive::Shape;
 use crate::primitive::shape::Core;
 use crate::query::distance::Distance;
-use crate::query::entry::{Answer, Completion, Query, QueryStats, Verdict};
+use crate::query::entry::{Answer, Completion, Query, QueryStats};
 use crate::range::Point;
-use crate::vector::{difference, dot, length, unit};
+use crate::vector::{dot, length};
 
 /// Two bodies by their queries after a translation, each with what is left of the budget. The distance has the
 /// tolerance given.
@@ -33,22 +33,13 @@ impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -
     fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
         let Some(answer) = (self.within)(&self.query.after(&self.stats), t) else { return Ok(false) };
         self.stats = self.stats.and(&answer.stats);
-        match answer.verdict {
-            Verdict::Free => Ok(true),
-            Verdict::Hit(_) => Ok(false),
-            Verdict::Unknown { .. } => Err(OutOfBudget),
-        }
+        verdict_of(&answer)
     }
 
     fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(found) = (self.distance)(&self.query.after(&self.stats), t, ROUGH) else { return Ok(None) };
         self.stats = self.stats.and(&found.stats);
-        if found.completion != Completion::Complete {
-            return Err(OutOfBudget);
-        }
-        let gap = found.lower - self.margin;
-        let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
-        Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+        gap_of(&found, self.margin)
     }
 
     fn far(&self) -> f64 {

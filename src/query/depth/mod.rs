@@ -23,7 +23,7 @@ use super::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
 use super::lanes::Lanes;
 use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::pose::Pose;
-use crate::primitive::shape::{Core, depth};
+use crate::primitive::shape::depth;
 use crate::primitive::triangle::distance::TIGHT as TIGHTEST;
 use crate::primitive::{Primitive, Shape, Shapes};
 use crate::range::Point;
@@ -149,7 +149,7 @@ impl Query {
     where
         Shapes: PrimitivePair<Q>,
     {
-        if matches!(shape.core(), Core::HalfSpace { .. }) {
+        if shape.is_half_space() {
             let distance = |away: &Shape| self.shape_distance(away, tree, TIGHTEST, f64::INFINITY);
             return half_space_depth(shape, &tree.extent(), margin, distance);
         }

@@ -1,9 +1,10 @@
 //! What a search for a depth asks of two bodies of any kind.
 
 use super::interval::OutOfBudget;
-use crate::query::entry::QueryStats;
+use crate::query::distance::Distance;
+use crate::query::entry::{Answer, Completion, QueryStats, Verdict};
 use crate::range::Point;
-use crate::vector::{dot, unit};
+use crate::vector::{difference, dot, unit};
 
 /// Balls about one point inside of both bodies.
 #[derive(Copy, Clone, Debug)]
@@ -46,6 +47,25 @@ pub(super) trait PosedPair {
 
     /// The work so far.
     fn stats(&self) -> QueryStats;
+}
+
+/// What a verdict after a translation says: see [`PosedPair::is_free`].
+pub(super) fn verdict_of(answer: &Answer) -> Result<bool, OutOfBudget> {
+    match answer.verdict {
+        Verdict::Free => Ok(true),
+        Verdict::Hit(_) => Ok(false),
+        Verdict::Unknown { .. } => Err(OutOfBudget),
+    }
+}
+
+/// What a distance after a translation says of bodies that meet within a margin: see [`PosedPair::gap`].
+pub(super) fn gap_of(found: &Distance, margin: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
+    if found.completion != Completion::Complete {
+        return Err(OutOfBudget);
+    }
+    let gap = found.lower - margin;
+    let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
+    Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
 }
 
 /// The square of a slope that is not worth a step.

@@ -54,10 +54,6 @@ const fn has_directions(shape: &Shape) -> bool {
 }
 
 impl Volume {
-    pub(super) const fn is_half_space(shape: &Shape) -> bool {
-        matches!(shape.core(), Core::HalfSpace { .. })
-    }
-
     pub(super) fn of<N: Lanes, Q: Primitive>(shape: &Shape, tree: &BvhRef<'_, N, Q>) -> Self {
         let bounds = tree.extent();
         let centre = bounds.frame.centre;
@@ -187,7 +183,7 @@ impl Volume {
     /// An upper bound of the distance of the shape from some primitive.
     #[cold]
     pub(super) fn farthest<N: Lanes, Q: Primitive>(&self, shape: &Shape, tree: &BvhRef<'_, N, Q>) -> f64 {
-        if Self::is_half_space(shape) || tree.is_empty() {
+        if shape.is_half_space() || tree.is_empty() {
             return f64::INFINITY;
         }
         let between = difference(&Q::point(&tree.primitive(0)), &Shapes::point(shape));

@@ -219,7 +219,7 @@ impl Query {
         Shapes: PrimitivePair<Q>,
     {
         // A half-space is inside of nothing that is bounded.
-        if !tree.is_solid() || tree.is_empty() || Volume::is_half_space(shape) {
+        if !tree.is_solid() || tree.is_empty() || shape.is_half_space() {
             return None;
         }
         let inside = self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose();
