@@ -124,8 +124,8 @@ short_bench() {
   evidence "bench $1, short"
 }
 
-# fuzz_all RUNS SEED OPTIONS...: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer
-# and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
+# fuzz_all RUNS SEED OPTIONS...: each target has an oracle; seed and count make a run repeatable. Built with the address
+# sanitizer and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
 fuzz_all() {
   local targets target runs count=$1 seed=$2
   shift 2

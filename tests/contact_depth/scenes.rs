@@ -1,8 +1,9 @@
 //! Signed clearances of scenes, and of bodies of different kinds, against closed forms and sampled translations.
 
 use crate::heap::without_heap;
-use crate::support::data::suite_step;
+use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
+use crate::support::shapes::cuboid;
 use crate::support::turns::pose;
 use crate::{grid_box, solid};
 use simdop::cloud::PointCloud;
@@ -250,22 +251,7 @@ const FIGURES: [[u64; 10]; 3] = [
 #[test]
 fn figures_are_those_of_python() {
     let half = |half: [f64; 3]| {
-        let corner = |i: u32| core::array::from_fn(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
-        let vertices: Vec<[f64; 3]> = (0..8).map(corner).collect();
-        let triangles = [
-            [0, 2, 1],
-            [1, 2, 3],
-            [4, 5, 6],
-            [5, 7, 6],
-            [0, 1, 4],
-            [1, 5, 4],
-            [2, 6, 3],
-            [3, 6, 7],
-            [0, 4, 2],
-            [2, 4, 6],
-            [1, 3, 5],
-            [3, 7, 5],
-        ];
+        let MeshData { vertices, triangles } = cuboid(half.map(|x| -x), half, false);
         Builder::best().solid().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
     };
     let (a, b) = (half([0.5; 3]), half([0.75, 0.625, 0.375]));

@@ -1,7 +1,7 @@
 //! Bounds change no verdict: `free` with them against `free` without them.
 
 use super::{arm, at, scene};
-use crate::real::{load, robots::SETTINGS};
+use crate::real::{insert_obstacles, load, robots::SETTINGS};
 use crate::support::data::{self, directory};
 use crate::support::rng::Rng;
 use simdop::planning::{PlanningError, PlanningScene};
@@ -42,10 +42,7 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
         let (mut decided, mut asked) = (0, 0);
         for problem in &problems {
             let mut exact = PlanningScene::new(Arc::clone(&model)).unwrap();
-            for obstacle in &problem.obstacles {
-                let at = Pose::try_from(obstacle.at).unwrap();
-                let _ = exact.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-            }
+            insert_obstacles(&mut exact, problem);
             let mut bounded = exact.clone();
             bounded.use_bounds(CELL).unwrap();
             let count = (all / (2 * problems.len())).max(1000) / data::suite_step() + 17;
@@ -64,10 +61,7 @@ fn bounds_are_the_same_on_every_instruction_set() {
     let setting = &SETTINGS[0];
     let (model, other) = (load(setting, &folder), setting.robot(&folder));
     let mut scene = PlanningScene::new(model).unwrap();
-    for obstacle in &setting.problems(&folder, &other, 1000)[0].obstacles {
-        let at = Pose::try_from(obstacle.at).unwrap();
-        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-    }
+    insert_obstacles(&mut scene, &setting.problems(&folder, &other, 1000)[0]);
     scene.use_bounds(CELL).unwrap();
     let values = random(&scene, &mut Rng::new(22), 3000);
     let on = |isa: Isa| scene.clone().with_query(Query::new(isa)).free_by_bounds(&values).unwrap();

@@ -5,7 +5,7 @@ pub(crate) mod robots;
 
 use crate::support::data::{self, directory};
 use crate::support::rng::{self, Rng};
-use robots::{Configuration, SETTINGS, Setting};
+use robots::{Configuration, Problem, SETTINGS, Setting};
 use simdop::glam::DAffine3;
 use simdop::planning::{LinkGeometry, PlanningScene, RobotFiles, RobotModel};
 use simdop::pose::Pose;
@@ -21,6 +21,13 @@ pub(crate) fn load(setting: &Setting, folder: &Path) -> RobotModel {
     let folder = folder.join("robots").join(setting.robot);
     let file = |extension: &str| folder.join(format!("{}.{extension}", setting.robot));
     RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap()
+}
+
+pub(crate) fn insert_obstacles(scene: &mut PlanningScene, problem: &Problem) {
+    for obstacle in &problem.obstacles {
+        let at = Pose::try_from(obstacle.at).unwrap();
+        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
+    }
 }
 
 /// Values of the variables that are planned for.
@@ -57,10 +64,7 @@ fn verdicts_are_those_of_pairs_at_poses_from_other_kinematics() {
         let (mut hits, mut frees) = (0, 0);
         for problem in setting.problems(&folder, &other, 40 * data::suite_step()) {
             let mut scene = PlanningScene::new(Arc::clone(&model)).unwrap();
-            for obstacle in &problem.obstacles {
-                let at = Pose::try_from(obstacle.at).unwrap();
-                let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-            }
+            insert_obstacles(&mut scene, &problem);
             let mut workspace = scene.workspace();
             let random = (0..6).map(|_| scene.random(|| rng.range(0.0, 1.0)));
             let all: Vec<_> = problem.ends.iter().map(|end| values(&model, end)).chain(random).collect();
@@ -116,10 +120,7 @@ fn gradients_are_those_of_differences() {
     let setting = &SETTINGS[0];
     let (model, other) = (load(setting, &folder), setting.robot(&folder));
     let mut scene = PlanningScene::new(model).unwrap();
-    for obstacle in &setting.problems(&folder, &other, 1000)[0].obstacles {
-        let at = Pose::try_from(obstacle.at).unwrap();
-        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-    }
+    insert_obstacles(&mut scene, &setting.problems(&folder, &other, 1000)[0]);
     let (mut workspace, mut rng, mut compared) = (scene.workspace(), Rng::new(9), 0);
     let step = 1e-6;
     for _ in 0..400 / data::suite_step() {
@@ -162,10 +163,7 @@ fn samples_refute_no_motion() {
     let (mut free, mut rng) = (0, Rng::new(11));
     for problem in setting.problems(&folder, &other, 100 * data::suite_step()) {
         let mut scene = PlanningScene::new(Arc::clone(&model)).unwrap();
-        for obstacle in &problem.obstacles {
-            let at = Pose::try_from(obstacle.at).unwrap();
-            let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-        }
+        insert_obstacles(&mut scene, &problem);
         let mut workspace = scene.workspace();
         let start = values(&model, &problem.ends[0]);
         for _ in 0..20 {

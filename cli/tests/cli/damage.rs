@@ -8,7 +8,7 @@ use crate::support::data::suite_step;
 use std::collections::BTreeMap;
 use std::process::Output;
 
-/// Each trial starts a process, so that these bytes are one in three. Fuzz targets have the others.
+/// Each trial starts a process, which takes milliseconds: one byte in three is tried, from another one on in each kind.
 const STEP: usize = 3;
 
 /// When a truncated file is accepted.

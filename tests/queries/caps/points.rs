@@ -92,8 +92,7 @@ fn random_points(count: usize, seed: u64) {
 
 #[test]
 fn points_are_inside_by_the_winding_number_of_triangles_and_caps() {
-    // The oracle is slow in an emulator.
-    random_points(if cfg!(miri) { 60 } else { 100_000 / suite_step().pow(2) }, 1);
+    random_points(if cfg!(miri) { 60 } else { 100_000 / suite_step() }, 1);
 }
 
 #[test]
