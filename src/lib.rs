@@ -145,6 +145,7 @@
 //! | `alloc` | yes | owned trees, builders, sphere packings. Without it: borrowed trees and clouds, and every query |
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
 //! | `gpu` | no | construction (`construct::gpu`) and point search (`cloud::gpu`) by wgpu, same bytes; implies `std` |
+//! | `all-nodes` | no | trees of a node type chosen at run time: k = 6, 14, 26 and arity 4, not only k = 18 at arity 16 |
 //! | `mint`, `nalgebra` | no | poses from the types of these crates |
 //! | `urdf` | no | robots from URDF and SRDF files; implies `std` |
 //! | `mesh-io` | no | readers of mesh files and clouds of points; implies `std` |

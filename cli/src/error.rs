@@ -83,6 +83,12 @@ impl fmt::Display for Error {
                     FilePlace::Nowhere => write!(f, "{path}: {problem}"),
                 }
             }
+            #[cfg(not(feature = "all-nodes"))]
+            Self::Tree { path, error: error @ FormatError::OtherNode { .. } } => write!(
+                f,
+                "{}: {error}, which needs the feature `all-nodes`: `cargo install --path cli --features all-nodes`",
+                path.display()
+            ),
             Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
             Self::Build { name, error } => write!(f, "{name}: {error}"),

@@ -140,10 +140,11 @@ struct Absent {
 /// errors.
 #[derive(Args, Clone, Default, Debug)]
 struct TreeOptions {
-    /// Planes of a volume: 6, 14, 18 or 26 [default: 18, or that of a given tree].
+    /// Planes of a volume: 6, 14, 18 or 26; those other than 18 need the feature `all-nodes`, which `report` and
+    /// `selftest` include [default: 18, or that of a given tree].
     #[arg(short, long, value_parser = k)]
     k: Option<usize>,
-    /// Children of a node: 16, or 4 with k = 18 [default: 16, or that of a given tree].
+    /// Children of a node: 16, or 4 with k = 18 and the feature `all-nodes` [default: 16, or that of a given tree].
     #[arg(short, long, value_parser = arity)]
     arity: Option<usize>,
     /// How planes are stored: half floats exist for k = 14, 18 and 26 at arity 16 [default: fixed, or that of a given

@@ -6,14 +6,17 @@ use super::input::Geometry;
 use super::split::Progress;
 use crate::hierarchy::{AnyBvh, NodeType, for_node_types};
 use crate::key::{Fixed, Half, StorageKind};
-use crate::node::{Node4, Node16};
+#[cfg(feature = "all-nodes")]
+use crate::node::Node4;
+use crate::node::Node16;
 use core::ops::ControlFlow;
 
 macro_rules! build_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
         impl Builder {
-            /// [`Builder::build_geometry`] with a node type chosen at run time: k = 6, 14, 18 or 26 at arity 16,
-            /// or k = 18 at arity 4; half floats for k = 14, 18 and 26 at arity 16.
+            /// [`Builder::build_geometry`] with a node type chosen at run time: k = 18 at arity 16. With the feature
+            /// `all-nodes` also k = 6, 14 or 26 at arity 16, or k = 18 at arity 4; half floats for k = 14, 18 and 26
+            /// at arity 16.
             ///
             /// # Errors
             /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].

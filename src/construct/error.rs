@@ -110,10 +110,17 @@ impl fmt::Display for BuildError {
                 "{count} triangles to cap the holes of the mesh are too many; the longest border passes the edge of \
                  vertices {a} and {b}, {p:?} to {q:?}"
             ),
+            #[cfg(feature = "all-nodes")]
             Self::NodeType { node } => write!(
                 f,
                 "no nodes of {node} at run time: k is 6, 14, 18 or 26 at arity 16, and 18 at arity 4; half floats take \
                  k = 14, 18 or 26 at arity 16"
+            ),
+            #[cfg(not(feature = "all-nodes"))]
+            Self::NodeType { node } => write!(
+                f,
+                "no nodes of {node} at run time: k is 18 at arity 16; the feature `all-nodes` adds k = 6, 14 and 26, and \
+                 arity 4"
             ),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),

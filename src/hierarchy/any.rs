@@ -5,15 +5,25 @@ use super::Bvh;
 use super::layout::node_type;
 use super::{BvhRef, CapStats, FormatError, Header, Stats, TreeStats, VerifyError};
 use crate::key::{Fixed, Half, Storage, StorageKind};
-use crate::node::{Node4, Node16};
+#[cfg(feature = "all-nodes")]
+use crate::node::Node4;
+use crate::node::Node16;
 use crate::primitive::{Primitive, Triangles};
 use core::fmt;
 
 // Functions over all of them are `inline`, so that they are compiled only where they are used.
 
 /// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
-/// `Variant Node arity k Storage`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no
-/// measurement recommends, are for generic code only.
+/// `Variant Node arity k Storage`. Each is one more copy of every query, so that without the feature `all-nodes` there
+/// are two. k = 32 and most of arity 4, which no measurement recommends, are for generic code only.
+#[cfg(not(feature = "all-nodes"))]
+macro_rules! for_node_types {
+    ($with:ident) => {
+        $with! { $Arity16K18 Node16 16 18 Fixed, Arity16K18Half Node16 16 18 Half }
+    };
+}
+
+#[cfg(feature = "all-nodes")]
 macro_rules! for_node_types {
     ($with:ident) => {
         $with! {
@@ -28,8 +38,9 @@ pub(crate) use for_node_types;
 
 macro_rules! any_bvh {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
-        /// A borrowed tree of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it. Of triangles,
-        /// unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
+        /// A borrowed tree whose node type is known only at run time: k = 18 at arity 16, in fixed point or in half
+        /// floats, and with the feature `all-nodes` k = 6, 14 and 26 and arity 4. [`with_bvh!`](crate::with_bvh) gives
+        /// the [`BvhRef`] in it. Of triangles, unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
         #[derive(Debug)]
         pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
             $(#[doc = concat!(

@@ -172,6 +172,9 @@ fn without_room_the_old_file_stays() {
         "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n\
          4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
     );
+    // Covers of the report have as many spheres as its surface is large.
+    folder
+        .write("needle.off", "OFF\n4 4 0\n0 0 9\n1 0 0\n0 1 0\n0 0 0\n3 0 1 2\n3 0 2 3\n3 0 3 1\n3 1 3 2\n");
     let cloud: String = (0..700).map(|i| format!("{} {} 0\n", i % 30, i / 30)).collect();
     folder.write("cloud.xyz", cloud);
     let commands: [&[&str]; 9] = [
@@ -180,8 +183,8 @@ fn without_room_the_old_file_stays() {
         &["pack", "cube.off", "-n", "600", "-o"],
         &["pack", "cube.off", "-n", "60", "-o", "fine.txt", "--picture"],
         &["cover", "field.obj", "--error", "0.4", "-o"],
-        &["report", "cube.off", "--poses", "1", "--spheres", "0", "--isa", "scalar", "-o"],
-        &["report", "cube.off", "--poses", "1", "--spheres", "0", "--isa", "scalar", "--csv"],
+        &["report", "needle.off", "--poses", "1", "--spheres", "0", "--isa", "scalar", "-o"],
+        &["report", "needle.off", "--poses", "1", "--spheres", "0", "--isa", "scalar", "--csv"],
         &["near", "cloud.xyz", "-r", "3", "-o"],
         &["near", "cloud.xyz", "-r", "0.5", "-o"],
     ];

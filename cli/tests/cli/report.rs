@@ -5,7 +5,8 @@ use crate::folder::Folder;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An octahedron whose triangles are cut into four `cuts` times, projected onto an ellipsoid.
+/// An octahedron whose triangles are cut into four `cuts` times, projected onto a slender ellipsoid: covers of the
+/// report have as many spheres as its surface is large.
 fn egg(cuts: u32) -> String {
     let (mut vertices, mut triangles): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (Vec::new(), Vec::new());
     let sides = 1_usize << cuts;
@@ -14,7 +15,7 @@ fn egg(cuts: u32) -> String {
         let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
         let key = p.map(|x| (x / length * 1e9).round() as i64);
         *known.entry(key).or_insert_with(|| {
-            vertices.push([p[0] / length, p[1] / length, 1.5 * p[2] / length]);
+            vertices.push([0.3 * p[0] / length, 0.3 * p[1] / length, 1.5 * p[2] / length]);
             vertices.len()
         })
     };
