@@ -113,6 +113,36 @@ fn verdicts_are_those_of_fixed_point() {
     }
 }
 
+/// A million poses, most of them near contact, over pairs of real meshes of like and unlike size.
+#[test]
+#[ignore = "a minute"]
+fn a_million_verdicts_are_those_of_fixed_point() {
+    let Some(data) = directory() else { return };
+    let mesh = |name: &str| MeshData::obj(&data.join("meshes").join(name).with_extension("obj"));
+    let meshes = ["cow", "camel", "armadillo", "bunny75k"].map(mesh);
+    let trees = meshes.each_ref().map(Both::<Node16<18>, Node16<18, Half>>::new);
+    let (query, mut rng, mut hits) = (Query::new(Isa::detect()), Rng::new(41), 0);
+    for i in 0..1_000_000 {
+        let [m, n] = [i % 4, (i / 4) % 4];
+        let turn = rng.rotation();
+        let rows = |t: [f64; 3]| core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]]);
+        // A corner of A is at a corner of B, or a hundredth of the diagonal beside it.
+        let [p, q] = [
+            Pose::from_rows(rows([0.0; 3])).unwrap().apply(*rng.pick(&meshes[m].vertices)),
+            *rng.pick(&meshes[n].vertices),
+        ];
+        let away = if i % 3 == 0 { 0.0 } else { 0.01 * meshes[n].diagonal() };
+        let pose = Pose::from_rows(rows(core::array::from_fn(|i| q[i] - p[i] + away * rng.range(-1.0, 1.0))))
+            .unwrap();
+        let (a, b) = (&trees[m], &trees[n]);
+        let fixed = query.collide(&a.fixed, &b.fixed, &pose).is_free();
+        assert_eq!(fixed, query.collide(&a.half, &b.half, &pose).is_free(), "pose {i}");
+        hits += usize::from(!fixed);
+    }
+    println!("{hits} of 1,000,000 poses hit");
+    assert!((100_000..990_000).contains(&hits), "{hits}");
+}
+
 /// A half float ends at 65,504 steps, so that planes of a body a million times larger become unbounded.
 #[test]
 fn bodies_of_unlike_size_meet_where_they_do_in_fixed_point() {

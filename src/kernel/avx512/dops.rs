@@ -21,7 +21,8 @@ compiled_for_avx512! {
         // SAFETY: the array has the 32 bytes read; the load needs no alignment.
         let codes = unsafe { _mm256_loadu_si256(planes.as_ptr().cast()) };
         if S::IS_HALF {
-            let flip = _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(codes));
+            // One `vpternlogq` after the shift, as below.
+            let flip = _mm256_and_si256(_mm256_srai_epi16::<15>(codes), _mm256_set1_epi16(i16::MAX));
             halves_to_floats(_mm256_xor_si256(codes, flip))
         } else {
             _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(codes))
@@ -119,17 +120,20 @@ compiled_for_avx512! {
                 let offset = _mm512_set1_ps(map.offset[2 * slab + side]);
                 _mm512_add_ps(weighted_sum(weights, sources), offset)
             };
+            // The complements of the codes, at most the greatest.
             let codes = if S::IS_HALF {
                 let (low, high) = (floats_to_halves(turned(1)), floats_to_halves(turned(0)));
                 let halves = _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high);
-                _mm512_xor_si512(halves, _mm512_srli_epi16::<1>(_mm512_srai_epi16::<15>(halves)))
+                let flip = _mm512_and_si512(_mm512_srai_epi16::<15>(halves), _mm512_set1_epi16(i16::MAX));
+                let complements = _mm512_xor_si512(_mm512_xor_si512(halves, flip), _mm512_set1_epi16(-1));
+                _mm512_min_epi16(complements, _mm512_set1_epi16(S::GREATEST))
             } else {
                 let packed = _mm512_packs_epi32(nearest::<S>(turned(1)), nearest::<S>(turned(0)));
                 // `vpackssdw` takes four codes of each plane alternately.
-                _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), packed)
+                let codes = _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), packed);
+                let codes = _mm512_max_epi16(codes, _mm512_set1_epi16(!S::GREATEST));
+                _mm512_xor_si512(codes, _mm512_set1_epi16(-1))
             };
-            let codes = _mm512_max_epi16(codes, _mm512_set1_epi16(!S::GREATEST));
-            let codes = _mm512_xor_si512(codes, _mm512_set1_epi16(-1));
             let (slabs, _) = query.as_chunks_mut::<2>();
             let slab = slabs[slab].as_mut_ptr();
             // SAFETY: the two arrays have the 64 bytes written; the store needs no alignment.
