@@ -123,9 +123,9 @@ impl<'t> NormalTest<'t> {
             let (below, above) = (lesser(x, y) + low_s[j], greater(x, y) + high_s[j]);
             let (low, high) = (self.ratio * low_a[j] + along_a[j], self.ratio * high_a[j] + along_a[j]);
             let by_a = (low - self.pad > above) | (high + self.pad < below);
-            apart[j] = u16::from(by_a | by_b);
+            apart[j] = u16::from(by_a | by_b) << j;
         }
-        apart[0] | apart[1] << 1 | apart[2] << 2 | apart[3] << 3
+        apart.into_iter().fold(0, |all, bit| all | bit)
     }
 }
 

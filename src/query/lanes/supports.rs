@@ -3,8 +3,8 @@
 use crate::directions::Directions;
 use crate::key::Storage;
 
-/// Number of pairs tested at once.
-pub(in crate::query) const AT_ONCE: usize = 4;
+/// Number of pairs tested at once. Where `f64` is emulated, loops over more would be unrolled into twice the code.
+pub(in crate::query) const AT_ONCE: usize = if cfg!(simdop_small) { 1 } else { 4 };
 
 /// The least and the greatest support of some children, each along a direction of its own, by column.
 #[inline(always)]
