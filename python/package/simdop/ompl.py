@@ -10,7 +10,6 @@ The scene must not change while OMPL plans. ``examples/motion_bench_maker.py`` i
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Callable
 from typing import Any
@@ -21,18 +20,13 @@ from numpy.typing import ArrayLike
 from ._arrays import Floats
 from ._simdop import PlanningScene
 
+try:
+    from ompl import base, geometric
+except ImportError as error:
+    message = "simdop.ompl needs OMPL 2, which is not installed: pip install ompl"
+    raise ImportError(message, name="ompl") from error
+
 __all__ = ["Joints", "MotionValidator", "StateValidityChecker", "solve", "space_information"]
-
-
-def _import(name: str) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        message = "simdop.ompl needs OMPL 2, which is not installed: pip install ompl"
-        raise ImportError(message, name="ompl") from error
-
-
-base, geometric = _import("ompl.base"), _import("ompl.geometric")
 
 
 class Joints:
