@@ -1,6 +1,6 @@
 /*
- * The part of configurations.rs that is in C++, which also says how to build it: `configurations PANDA_FOLDER` reads the
- * number of a row, checks its configurations, and writes the processor's seconds and how many are free; until the input
+ * The part of configurations.rs that is in C++. That file says how to build it. `configurations PANDA_FOLDER` reads the
+ * number of a row, checks its configurations, and writes the processor's seconds and how many are free, until its input
  * ends.
  */
 #include "simdop.hpp"

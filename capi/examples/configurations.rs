@@ -8,8 +8,8 @@
 //! ```
 //!
 //! The folder has `panda.urdf`, `panda.srdf` and the meshes. All run in turn, fifteen times; prints medians of
-//! microseconds of the processor for each configuration, and medians of ratios to Rust in the same round. The numbers of
-//! free configurations must be equal.
+//! microseconds of the processor for each configuration, and medians of ratios to Rust in the same round. The numbers
+//! of free configurations must be equal.
 
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -89,7 +89,8 @@ impl Panda {
     fn read(folder: &'static Path) -> Self {
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
         let urdf = read("panda.urdf");
-        let robot: &'static Robot = Box::leak(Box::new(Robot::from_urdf(&urdf, LinkShapes::Collision).unwrap()));
+        let robot: &'static Robot =
+            Box::leak(Box::new(Robot::from_urdf(&urdf, LinkShapes::Collision).unwrap()));
         let pairs = robot.pairs(&DisabledPair::from_srdf(&read("panda.srdf")).unwrap()).unwrap();
         let build = |shape: &LinkShape| {
             let LinkShape::Mesh { file, .. } = shape else { panic!("a link that is not a mesh") };
@@ -338,11 +339,15 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, folder, program] = &arguments[..] else { panic!("usage: configurations PANDA_FOLDER C++_PROGRAM") };
+    let [_, folder, program] = &arguments[..] else {
+        panic!("usage: configurations PANDA_FOLDER C++_PROGRAM")
+    };
     let panda = Panda::read(Path::new(String::leak(folder.clone())));
     let values: &'static [f64] = panda.values().leak();
-    let mut rust = [rust_scene(&panda, values), rust_planners(&panda, values)].into_iter().flatten().collect::<Vec<_>>();
-    let mut c = [c_scene(&panda, values), c_planners(&panda, values)].into_iter().flatten().collect::<Vec<_>>();
+    let mut rust =
+        [rust_scene(&panda, values), rust_planners(&panda, values)].into_iter().flatten().collect::<Vec<_>>();
+    let mut c =
+        [c_scene(&panda, values), c_planners(&panda, values)].into_iter().flatten().collect::<Vec<_>>();
     let mut cpp = Cpp::start(program, panda.folder);
     let mut times = vec![[const { Vec::new() }; 3]; rust.len()];
     let mut free = 0;

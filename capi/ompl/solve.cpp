@@ -4,8 +4,8 @@
  *     solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY [PLANNER]]]
  *
  * EVERY: only each so many lines. PLANNER: RRTConnect, or RRTstar, which has all seconds for each problem. With FCL,
- * states are checked by OMPL's motion validator at samples, at its default resolution, 1 % of the space. The edges of its
- * paths are then checked by simdop at all times. Prints a row for each set of problems and library; times are of
+ * states are checked by OMPL's motion validator at samples, at its default resolution, 1 % of the space. The edges of
+ * its paths are then checked by simdop at all times. Prints a row for each set of problems and library. Times are of
  * the processor.
  */
 #include <boost/property_tree/json_parser.hpp>

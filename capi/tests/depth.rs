@@ -81,18 +81,25 @@ fn bodies_of_every_kind_have_depths() {
     let radius = support::BALL.numbers[0];
     let ball = support::shape(&support::BALL).unwrap();
     let spheres = support::spheres(&[[0.0, 0.0, 0.0, radius]]).unwrap();
-    let ground = simdop_shape { kind: simdop_shape_kind::HalfSpace as u32, numbers: [0.0, 0.0, 1.0, 0.0], ..support::BALL };
+    let ground = simdop_shape {
+        kind: simdop_shape_kind::HalfSpace as u32,
+        numbers: [0.0, 0.0, 1.0, 0.0],
+        ..support::BALL
+    };
     let ground = support::shape(&ground).unwrap();
     let mesh = body(&cube(1.0).0);
-    let at = |x: f64, z: f64| simdop_pose { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]] };
+    let at =
+        |x: f64, z: f64| simdop_pose { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]] };
     let budget = SIMDOP_NO_BUDGET;
     let depth = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose| {
         answer(|to| simdop_depth(Some(a), Some(b), Some(pose), budget, to)).unwrap()
     };
     let along = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose, direction: [f64; 3]| {
         // SAFETY: there are three numbers.
-        answer(|to| unsafe { simdop_depth_along(Some(a), Some(b), Some(pose), direction.as_ptr(), budget, to) })
-            .unwrap()
+        answer(|to| unsafe {
+            simdop_depth_along(Some(a), Some(b), Some(pose), direction.as_ptr(), budget, to)
+        })
+        .unwrap()
     };
     let signed = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose| {
         answer(|to| simdop_signed_distance(Some(a), Some(b), Some(pose), 0.0, budget, to)).unwrap()
@@ -119,11 +126,13 @@ fn bodies_of_every_kind_have_depths() {
         assert!((along(a, b, &pose, up) - 0.25).abs() < 1e-9);
         assert!(along(a, b, &pose, [0.0, 0.0, -sign]).is_infinite());
     }
-    let negative = answer(|to| simdop_signed_distance(Some(&mesh), Some(&ball), Some(&at(0.0, 0.0)), -1.0, budget, to));
+    let negative =
+        answer(|to| simdop_signed_distance(Some(&mesh), Some(&ball), Some(&at(0.0, 0.0)), -1.0, budget, to));
     assert_eq!(negative.unwrap_err(), simdop_error::Tolerance);
     let (mesh, at) = (Some(&*mesh), at(0.0, 0.0));
     // SAFETY: NULL is an error.
-    let null = answer(|to| unsafe { simdop_depth_along(mesh, mesh, Some(&at), std::ptr::null(), budget, to) });
+    let null =
+        answer(|to| unsafe { simdop_depth_along(mesh, mesh, Some(&at), std::ptr::null(), budget, to) });
     assert_eq!(null.unwrap_err(), simdop_error::Null);
 }
 

@@ -155,8 +155,9 @@ fn plans_and_motions_are_the_librarys() {
     for ends in configurations.chunks(2) {
         let (from, to) = (ends[0].as_ptr(), ends[1].as_ptr());
         // SAFETY: there is a value for each variable, here and below.
-        let share =
-            answer(|share| unsafe { simdop_planner_free_share(Some(&c), Some(&mut workspace), from, to, share) });
+        let share = answer(|share| unsafe {
+            simdop_planner_free_share(Some(&c), Some(&mut workspace), from, to, share)
+        });
         let ends = [&ends[0][..], &ends[1][..]];
         assert_eq!(share, Ok(rust.free_share(&mut rust_workspace, ends).unwrap()));
         // SAFETY: as above.
@@ -208,7 +209,13 @@ fn plans_and_motions_are_the_librarys() {
         let (id, point, mut world) = (rust.link("hand").unwrap(), [0.1, 0.2, 0.3], [0.0; 3]);
         // SAFETY: there are three numbers of each.
         let error = unsafe {
-            simdop_planner_to_world(Some(&c), Some(&workspace), id.to_bits(), point.as_ptr(), world.as_mut_ptr())
+            simdop_planner_to_world(
+                Some(&c),
+                Some(&workspace),
+                id.to_bits(),
+                point.as_ptr(),
+                world.as_mut_ptr(),
+            )
         };
         assert_eq!(error, simdop_error::None);
         assert_eq!(world, rust.to_world(&rust_workspace, id, point).unwrap());
@@ -231,7 +238,15 @@ fn paths(c: &simdop_planner, rust: &PlanningScene, configurations: &[Vec<f64>]) 
                 let (w, start, goals) = (Some(&mut *workspace), start.as_ptr(), both.as_ptr());
                 let (goal_count, to) = (both.len() / n, path.as_mut_ptr());
                 simdop_planner_plan(
-                    Some(c), w, start, goals, goal_count, Some(settings), to, room, Some(&mut found),
+                    Some(c),
+                    w,
+                    start,
+                    goals,
+                    goal_count,
+                    Some(settings),
+                    to,
+                    room,
+                    Some(&mut found),
                 )
             };
             // SAFETY: the caller looks at it where the call wrote it.
@@ -242,8 +257,10 @@ fn paths(c: &simdop_planner, rust: &PlanningScene, configurations: &[Vec<f64>]) 
         let expected = rust.plan(&mut rust.workspace(), start, &goals, &PlanSettings::default()).unwrap();
         let (error, found, path) = plan(&settings, 64);
         assert_eq!(error, simdop_error::None);
-        assert_eq!((found.count, found.length, found.motions, found.nodes),
-            (expected.path.len(), expected.length, expected.motions, expected.nodes));
+        assert_eq!(
+            (found.count, found.length, found.motions, found.nodes),
+            (expected.path.len(), expected.length, expected.motions, expected.nodes)
+        );
         assert_eq!(path[..found.count * n], expected.path.concat());
         longest = longest.max(found.count);
         if found.count > 1 {
@@ -269,7 +286,10 @@ fn settings_are_the_librarys() {
         let name = answer(|name| simdop_planner_get_group(Some(&c), i, name)).unwrap();
         assert_eq!(text(name), group.name);
     }
-    assert_eq!(answer(|name| simdop_planner_get_group(Some(&c), count, name)), Err(simdop_error::DescriptionIndex));
+    assert_eq!(
+        answer(|name| simdop_planner_get_group(Some(&c), count, name)),
+        Err(simdop_error::DescriptionIndex)
+    );
     let values: Vec<f64> = {
         let mut rng = Rng::new(4);
         (0..500).flat_map(|_| rust.random(|| rng.range(0.0, 1.0))).collect()
@@ -302,7 +322,9 @@ fn settings_are_the_librarys() {
     let mut motion = |c: &simdop_planner| {
         let (from, to) = (values.as_ptr(), values[rust.variables()..].as_ptr());
         // SAFETY: there is a value for each variable.
-        answer(|answer| unsafe { simdop_planner_check_motion(Some(c), Some(&mut workspace), from, to, answer) })
+        answer(|answer| unsafe {
+            simdop_planner_check_motion(Some(c), Some(&mut workspace), from, to, answer)
+        })
     };
     assert!(motion(&c).is_ok());
     assert_eq!(simdop_planner_set_resolution(Some(&mut c), -1.0), simdop_error::None);
@@ -310,7 +332,8 @@ fn settings_are_the_librarys() {
     // Of a group, names and limits are those of its variables.
     let (group, rest) = (CString::new(&*groups[0].name).unwrap(), vec![0.0; rust.variables()]);
     // SAFETY: the name ends with a NUL, and there is a value for each variable.
-    let error = unsafe { simdop_planner_select_group(Some(&mut c), group.as_ptr(), rest.as_ptr(), rest.len()) };
+    let error =
+        unsafe { simdop_planner_select_group(Some(&mut c), group.as_ptr(), rest.as_ptr(), rest.len()) };
     assert_eq!(error, simdop_error::None);
     let mut rust = rust;
     rust.select_group(&groups[0].name, &rest).unwrap();
@@ -524,9 +547,8 @@ fn nulls_of_plans(c: &simdop_planner, workspace: &mut simdop_workspace, errors: 
         let hits =
             answer(|a| unsafe { simdop_planner_each_hit(Some(c), w(), v, 0.0, Some(collect), user, a) });
         // SAFETY: as above.
-        let plan = answer(|a| unsafe {
-            simdop_planner_plan(Some(c), w(), v, v, 1, Some(&settings), to, 2, a)
-        });
+        let plan =
+            answer(|a| unsafe { simdop_planner_plan(Some(c), w(), v, v, 1, Some(&settings), to, 2, a) });
         errors.extend([motions.unwrap_err(), share.unwrap_err(), parts.unwrap_err(), hits.unwrap_err()]);
         errors.push(plan.unwrap_err());
     }

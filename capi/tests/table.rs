@@ -1,5 +1,5 @@
-//! Each call of the crate's table of questions, and each method of a query, a body, a scene, a search or a planning scene,
-//! has a row in the table of `capi/README.md`, and each C name there is in the header.
+//! Each call of the crate's table of questions, and each method of a query, a body, a scene, a search or a planning
+//! scene, has a row in the table of `capi/README.md`, and each C name there is in the header.
 
 use std::collections::BTreeMap;
 use std::fs;

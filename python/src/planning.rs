@@ -290,12 +290,7 @@ impl PyPlanningScene {
     /// Which share of the straight motion from one configuration to another, counted from its start, is free at all
     /// times: 1 if all of it is; 0 if not even the start is. The motion to ``start + share * (end - start)`` is free,
     /// and where it ends is at most 1/1024 of the whole before a time at which it is not known to be.
-    fn free_share(
-        &self,
-        py: Python<'_>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-    ) -> PyResult<f64> {
+    fn free_share(&self, py: Python<'_>, start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>) -> PyResult<f64> {
         let (start, end) = (vector(start, "start")?, vector(end, "end")?);
         py.detach(|| {
             let scene = self.read();

@@ -4,8 +4,8 @@ use super::{both, simdop_planner, simdop_workspace};
 use crate::boundary::{answered, filled, given, guarded, items, places};
 use crate::error::{Failure, simdop_error};
 use crate::scene::{
-    SIMDOP_NO_BODY, simdop_body_id, simdop_motion_answer, simdop_on_hit, simdop_scene_answer, simdop_scene_clearance_answer,
-    simdop_scene_hits, simdop_scene_signed_answer,
+    SIMDOP_NO_BODY, simdop_body_id, simdop_motion_answer, simdop_on_hit, simdop_scene_answer,
+    simdop_scene_clearance_answer, simdop_scene_hits, simdop_scene_signed_answer,
 };
 use simdop::query::Pair;
 use simdop::scene::{BodyId, SceneHit, SceneWitness};
@@ -17,8 +17,8 @@ use std::ops::ControlFlow;
 /// The values of many queries of `length` numbers each, and a place for each verdict.
 ///
 /// # Safety
-/// Unless a pointer is NULL or misaligned, there are as many values, which nobody writes during `'a`, and as many places,
-/// which nobody else reads or writes.
+/// Unless a pointer is NULL or misaligned, there are as many values, which nobody writes during `'a`, and as many
+/// places, which nobody else reads or writes.
 unsafe fn many<'a>(
     values: *const f64,
     length: usize,
@@ -200,7 +200,8 @@ pub unsafe extern "C" fn simdop_planner_free_share(
 /// must not use the workspace. Otherwise like simdop_scene_each_hit().
 ///
 /// # Safety
-/// `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit` expects.
+/// `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit`
+/// expects.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_planner_each_hit(
     planner: Option<&simdop_planner>,

@@ -147,8 +147,9 @@ pub unsafe extern "C" fn simdop_planner_limits(
     })
 }
 
-/// Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as long
-/// as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number of turns.
+/// Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
+/// long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
+/// of turns.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_get_variable(
     planner: Option<&simdop_planner>,
@@ -228,8 +229,8 @@ pub extern "C" fn simdop_planner_set_resolution(
     })
 }
 
-/// Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved, or
-/// not certainly free.
+/// Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
+/// or not certainly free.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_set_budget(
     planner: Option<&mut simdop_planner>,
@@ -242,16 +243,14 @@ pub extern "C" fn simdop_planner_set_budget(
     })
 }
 
-/// Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds, which
-/// are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of this width,
-/// such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links. Every change of the
-/// objects computes the cells near them again. Takes seconds for a robot with many pairs of links, once for all copies.
-/// While an object is attached, or with a budget, all configurations are decided by the bodies.
+/// Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
+/// which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
+/// this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
+/// Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
+/// links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
+/// bodies.
 #[unsafe(no_mangle)]
-pub extern "C" fn simdop_planner_use_bounds(
-    planner: Option<&mut simdop_planner>,
-    cell: f64,
-) -> simdop_error {
+pub extern "C" fn simdop_planner_use_bounds(planner: Option<&mut simdop_planner>, cell: f64) -> simdop_error {
     guarded(|| Ok(given(planner, "planner")?.scene.use_bounds(cell)?))
 }
 

@@ -42,9 +42,9 @@ pub extern "C" fn simdop_plan_settings_default() -> simdop_plan_settings {
     simdop_plan_settings { step, configurations, shortcuts, seed }
 }
 
-/// Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all times.
-/// `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other. Goals that
-/// are not free are ignored; if the start is not, there is no path.
+/// Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all
+/// times. `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other.
+/// Goals that are not free are ignored; if the start is not, there is no path.
 ///
 /// Writes to `path`, which has room for `room` configurations, those of the path, one after the other, and to `answer`
 /// how many there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
@@ -98,8 +98,8 @@ pub unsafe extern "C" fn simdop_planner_plan(
 pub type simdop_random = Option<unsafe extern "C" fn(user: *mut c_void) -> f64>;
 
 /// Writes a random free configuration to `values`, which has room for a number of each variable that is planned for,
-/// from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not free, it
-/// writes 0 to `is_found`, and zeros to `values`. The call allocates.
+/// from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not
+/// free, it writes 0 to `is_found`, and zeros to `values`. The call allocates.
 ///
 /// # Safety
 /// The array has this length, and `user`, which may be NULL, is what `random` expects.
@@ -120,7 +120,8 @@ pub unsafe extern "C" fn simdop_planner_random_free(
         // SAFETY: the caller guarantees that `user` is what the function expects.
         let found = planner.random_free(workspace, || unsafe { random(user) }, tries)?;
         let is_found = found.is_some();
-        for (place, value) in places.iter_mut().zip(found.into_iter().flatten().chain(std::iter::repeat(0.0))) {
+        for (place, value) in places.iter_mut().zip(found.into_iter().flatten().chain(std::iter::repeat(0.0)))
+        {
             place.write(value);
         }
         Ok(is_found.into())
