@@ -2079,8 +2079,9 @@ simdop_error simdop_planner_limits(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as long
- * as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number of turns.
+ * Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
+ * long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
+ * of turns.
  */
 simdop_error simdop_planner_get_variable(const simdop_planner *planner,
                                          size_t index,
@@ -2136,8 +2137,8 @@ simdop_error simdop_planner_set_resolution(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved, or
- * not certainly free.
+ * Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
+ * or not certainly free.
  */
 simdop_error simdop_planner_set_budget(simdop_planner *planner,
                                        uint64_t budget);
@@ -2145,11 +2146,12 @@ simdop_error simdop_planner_set_budget(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds, which
- * are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of this width,
- * such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links. Every change of the
- * objects computes the cells near them again. Takes seconds for a robot with many pairs of links, once for all copies.
- * While an object is attached, or with a budget, all configurations are decided by the bodies.
+ * Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
+ * which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
+ * this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
+ * Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
+ * links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
+ * bodies.
  */
 simdop_error simdop_planner_use_bounds(simdop_planner *planner,
                                        double cell);
@@ -2336,7 +2338,8 @@ simdop_error simdop_planner_free_share(const simdop_planner *planner,
  * must not use the workspace. Otherwise like simdop_scene_each_hit().
  *
  * # Safety
- * `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit` expects.
+ * `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit`
+ * expects.
  */
 simdop_error simdop_planner_each_hit(const simdop_planner *planner,
                                      simdop_workspace *workspace,
@@ -2418,9 +2421,9 @@ simdop_plan_settings simdop_plan_settings_default(void);
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all times.
- * `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other. Goals that
- * are not free are ignored; if the start is not, there is no path.
+ * Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all
+ * times. `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other.
+ * Goals that are not free are ignored; if the start is not, there is no path.
  *
  * Writes to `path`, which has room for `room` configurations, those of the path, one after the other, and to `answer`
  * how many there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
@@ -2442,8 +2445,8 @@ simdop_error simdop_planner_plan(const simdop_planner *planner,
 #if defined(SIMDOP_PLANNING)
 /**
  * Writes a random free configuration to `values`, which has room for a number of each variable that is planned for,
- * from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not free, it
- * writes 0 to `is_found`, and zeros to `values`. The call allocates.
+ * from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not
+ * free, it writes 0 to `is_found`, and zeros to `values`. The call allocates.
  *
  * # Safety
  * The array has this length, and `user`, which may be NULL, is what `random` expects.
