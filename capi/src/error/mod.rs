@@ -206,7 +206,7 @@ pub enum simdop_error {
     PlannerCell = 146,
 }
 
-const TEXTS: [(simdop_error, &CStr); 89] = [
+const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),

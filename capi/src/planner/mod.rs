@@ -94,7 +94,10 @@ pub extern "C" fn simdop_planner_copy(
     planner: Option<&simdop_planner>,
     copy: Option<&mut MaybeUninit<Option<Box<simdop_planner>>>>,
 ) -> simdop_error {
-    make(copy, "copy", || Ok(simdop_planner(given(planner, "planner")?.scene.clone())))
+    make(copy, "copy", || {
+        let simdop_planner { scene, names } = given(planner, "planner")?;
+        Ok(simdop_planner { scene: scene.clone(), names: Arc::clone(names) })
+    })
 }
 
 /// Destroys a planner. Does nothing for NULL.
