@@ -232,7 +232,7 @@ fn paths(c: &simdop_planner, rust: &PlanningScene, configurations: &[Vec<f64>]) 
         let both = goals.concat();
         let mut plan = |settings: &simdop_plan_settings, room: usize| {
             let mut path = vec![7.0; room * n];
-            let mut found = MaybeUninit::uninit();
+            let mut found = MaybeUninit::<simdop_planned_path>::uninit();
             // SAFETY: the lengths are those of the vectors.
             let error = unsafe {
                 let (w, start, goals) = (Some(&mut *workspace), start.as_ptr(), both.as_ptr());
@@ -250,7 +250,7 @@ fn paths(c: &simdop_planner, rust: &PlanningScene, configurations: &[Vec<f64>]) 
                 )
             };
             // SAFETY: the caller looks at it where the call wrote it.
-            (error, unsafe { found.assume_init::<simdop_planned_path>() }, path)
+            (error, unsafe { found.assume_init() }, path)
         };
         let settings = simdop_plan_settings_default();
         let goals: Vec<&[f64]> = goals.iter().map(|goal| &goal[..]).collect();
@@ -507,7 +507,7 @@ fn null_is_an_error() {
     // SAFETY: as above.
     errors.push(handle(|to| unsafe { simdop_planner_load(null(), null(), 0.0, to) }).unwrap_err());
     // SAFETY: as above.
-    errors.push(unsafe { simdop_planner_limits(Some(&c), std::ptr::null_mut()) });
+    errors.push(unsafe { simdop_planner_limits(Some(&c), null_mut()) });
     // SAFETY: as above.
     errors.push(unsafe { simdop_planner_select_group(Some(&mut c), null(), v, 4) });
     // SAFETY: as above.

@@ -448,9 +448,10 @@ void planners(const char *urdf, const char *srdf) {
 
     simdop::planner grouped = must(copy.copy());
     const std::vector<std::string> groups = must(grouped.groups());
-    EXPECT(!groups.empty() && std::string(must(grouped.variable(0)).name).size() > 0);
+    EXPECT(groups.size() == 1 && groups[0] == "reach" && std::string(must(grouped.variable(0)).name) == "waist");
     DO(grouped.select_group(groups[0], before));
-    EXPECT(grouped.variables() > 0 && code_of([&] { return grouped.variable(99); }) == SIMDOP_ERROR_DESCRIPTION_INDEX);
+    EXPECT(grouped.variables() == 3 && std::string(must(grouped.variable(0)).name) == "shoulder");
+    EXPECT(code_of([&] { return grouped.variable(99); }) == SIMDOP_ERROR_DESCRIPTION_INDEX);
 }
 #endif
 
