@@ -2285,8 +2285,8 @@ simdop_error simdop_planner_check_motion(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only, which proves nothing about the times
- * between them.
+ * Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only. The verdict is never free: nothing is
+ * certain between them.
  *
  * # Safety
  * The arrays have this length.

@@ -126,8 +126,8 @@ pub unsafe extern "C" fn simdop_planner_check_motion(
     })
 }
 
-/// Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only, which proves nothing about the times
-/// between them.
+/// Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only. The verdict is never free: nothing is
+/// certain between them.
 ///
 /// # Safety
 /// The arrays have this length.

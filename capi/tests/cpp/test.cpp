@@ -371,7 +371,8 @@ void paths(const simdop::planner &planner, const std::array<double, 4> &start, c
     std::array<double, 4> there = start;
     there[0] += share * (goal[0] - start[0]);
     EXPECT(must(planner.check_motion(workspace, start, there)).verdict == SIMDOP_MOTION_VERDICT_FREE);
-    EXPECT(must(planner.check_motion_discrete(workspace, start, goal, 1)).verdict == SIMDOP_MOTION_VERDICT_FREE);
+    EXPECT(must(planner.check_motion_discrete(workspace, start, goal, 1)).verdict != SIMDOP_MOTION_VERDICT_HIT);
+    EXPECT(must(planner.check_motion_discrete(workspace, start, goal, 100)).verdict == SIMDOP_MOTION_VERDICT_HIT);
 
     const std::array<double, 4> amid = {0, 1.2, 0.3, 0};
     int hits = 0;
@@ -407,7 +408,7 @@ void paths(const simdop::planner &planner, const std::array<double, 4> &start, c
     std::array<std::uint8_t, 1> is_free{};
     EXPECT(must(bounded.check_states(workspace, amid, is_free)) == 0);
     DO(bounded.set_budget(0));
-    EXPECT(must(bounded.within(workspace, start)).verdict == SIMDOP_VERDICT_UNKNOWN);
+    EXPECT(must(bounded.within(workspace, amid)).verdict != SIMDOP_VERDICT_FREE);
     DO(bounded.set_resolution(-1));
     EXPECT(code_of([&] { return bounded.check_motion(workspace, start, there); }) == SIMDOP_ERROR_TOLERANCE);
 }
