@@ -47,7 +47,7 @@ fn free_shares_of_motions_are_certified() {
     let scene = with_post();
     let (mut workspace, mut rng, mut counts) = (scene.workspace(), Rng::new(8), [0; 3]);
     let mut motions = Vec::new();
-    for _ in 0..100 {
+    for _ in 0..200 {
         let [from, to] = [(); 2].map(|()| scene.random(|| rng.range(0.0, 1.0)));
         let mut is_free_to = |share: f64| {
             let there = scene.between(&from, &to, share).unwrap();
@@ -64,14 +64,14 @@ fn free_shares_of_motions_are_certified() {
         }
         motions.extend([from, to].concat());
     }
-    assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
-    let (mut free, motions) = (vec![false; 100], &motions[..]);
+    assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
+    let (mut free, motions) = (vec![false; 200], &motions[..]);
     scene.check_motions(&mut workspace, motions, &mut free).unwrap();
     assert_eq!(free, scene.free_motions(motions).unwrap());
     assert_eq!(free.iter().filter(|free| **free).count(), counts[0]);
-    for wrong in [&mut free[..99], &mut []] {
+    for wrong in [&mut free[..199], &mut []] {
         let error = scene.check_motions(&mut workspace, motions, wrong).unwrap_err();
-        assert!(matches!(error, PlanningError::Values { given: 800, variables: 8 }), "{error}");
+        assert!(matches!(error, PlanningError::Values { given: 1600, variables: 8 }), "{error}");
     }
 }
 
