@@ -1171,6 +1171,28 @@ typedef struct {
 } simdop_scene_clearance_answer;
 
 /**
+ * The answer of simdop_scene_classify_pair().
+ */
+typedef struct {
+  /**
+   * The class.
+   */
+  simdop_pair_class pair_class;
+  /**
+   * Nonzero: `meeting` holds values at which the two meet.
+   */
+  int has_meeting;
+  /**
+   * Nonzero: `free` holds values at which they do not.
+   */
+  int has_free;
+  /**
+   * Number of boxes of values tested.
+   */
+  size_t boxes;
+} simdop_pair_report;
+
+/**
  * The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
  */
 typedef struct {
@@ -1469,28 +1491,6 @@ typedef struct {
    */
   simdop_pose pose;
 } simdop_link_body;
-
-/**
- * The answer of simdop_scene_classify_pair().
- */
-typedef struct {
-  /**
-   * The class.
-   */
-  simdop_pair_class pair_class;
-  /**
-   * Nonzero: `meeting` holds values at which the two meet.
-   */
-  int has_meeting;
-  /**
-   * Nonzero: `free` holds values at which they do not.
-   */
-  int has_free;
-  /**
-   * Number of boxes of values tested.
-   */
-  size_t boxes;
-} simdop_pair_report;
 
 /**
  * A motion of some bodies over the times from 0 to 1, given by callbacks. They receive `user`, and refer to bodies by
@@ -2393,6 +2393,25 @@ simdop_error simdop_planner_to_world(const simdop_planner *planner,
                                      simdop_body_id id,
                                      const double *point,
                                      double *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot? Like
+ * simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot,
+ * whichever are planned for. The call allocates.
+ *
+ * # Safety
+ * The arrays have this room.
+ */
+simdop_error simdop_planner_classify_pair(const simdop_planner *planner,
+                                          simdop_workspace *workspace,
+                                          simdop_body_id a,
+                                          simdop_body_id b,
+                                          size_t boxes,
+                                          double *meeting,
+                                          double *free,
+                                          simdop_pair_report *report);
 #endif
 
 #if defined(SIMDOP_PLANNING)

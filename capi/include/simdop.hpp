@@ -1360,6 +1360,15 @@ class planner {
         });
     }
 
+    /* As of a scene: into places for a number of each variable of the robot. */
+    result<simdop_pair_report> classify_pair(workspace &workspace, body_id a, body_id b, std::size_t boxes,
+                                             view<double> meeting, view<double> free) const {
+        return detail::answer<simdop_pair_report>([&](simdop_pair_report *report) {
+            return simdop_planner_classify_pair(get(), workspace.get(), a, b, boxes, meeting.data(), free.data(),
+                                                report);
+        });
+    }
+
     /* As of a scene; `gradient` gets the derivative by each variable. */
     result<simdop_scene_signed_answer> signed_clearance(
         workspace &workspace, view<const double> values, view<double> gradient, double tolerance = 0,

@@ -224,6 +224,16 @@ fn plans_and_motions_are_the_librarys() {
         assert_eq!(error, simdop_error::None);
         assert_eq!(world, rust.to_world(&rust_workspace, id, point).unwrap());
     }
+    let [a, b] = [rust.link("hand").unwrap(), rust.objects()[0].0];
+    let (mut meeting, mut free) = (vec![7.0; n], vec![7.0; n]);
+    // SAFETY: there is room for each variable.
+    let report = answer(|report| unsafe {
+        let (w, meeting, free) = (Some(&mut *workspace), meeting.as_mut_ptr(), free.as_mut_ptr());
+        simdop_planner_classify_pair(Some(&c), w, a.to_bits(), b.to_bits(), 1000, meeting, free, report)
+    });
+    let (report, expected) =
+        (report.unwrap(), rust.classify_pair(&mut rust_workspace, (a, b), 1000).unwrap());
+    assert_eq!((report.boxes, Some(meeting), Some(free)), (expected.boxes, expected.meeting, expected.free));
     paths(&c, &rust, &configurations);
 }
 
@@ -569,5 +579,7 @@ fn nulls_of_plans(c: &simdop_planner, workspace: &mut simdop_workspace, errors: 
     let near = unsafe { simdop_planner_clearance_gradient(Some(c), w(), None, to) };
     // SAFETY: as above.
     let world = unsafe { simdop_planner_to_world(Some(c), None, id, v, to) };
-    errors.extend([random, hits.unwrap_err(), plan.unwrap_err(), near, world]);
+    // SAFETY: as above.
+    let class = answer(|a| unsafe { simdop_planner_classify_pair(None, w(), id, id, 1, to, to, a) });
+    errors.extend([random, hits.unwrap_err(), plan.unwrap_err(), near, world, class.unwrap_err()]);
 }

@@ -4,8 +4,8 @@ use super::{both, simdop_planner, simdop_workspace};
 use crate::boundary::{answered, filled, given, guarded, items, places};
 use crate::error::{Failure, simdop_error};
 use crate::scene::{
-    SIMDOP_NO_BODY, simdop_body_id, simdop_motion_answer, simdop_on_hit, simdop_scene_answer,
-    simdop_scene_clearance_answer, simdop_scene_hits, simdop_scene_signed_answer,
+    SIMDOP_NO_BODY, report_of, simdop_body_id, simdop_motion_answer, simdop_on_hit, simdop_pair_report,
+    simdop_scene_answer, simdop_scene_clearance_answer, simdop_scene_hits, simdop_scene_signed_answer,
 };
 use simdop::query::Pair;
 use simdop::scene::{BodyId, SceneHit, SceneWitness};
@@ -294,6 +294,35 @@ pub unsafe extern "C" fn simdop_planner_to_world(
         let world = unsafe { places(world.cast::<[f64; 3]>(), 1, "world") }?;
         world[0].write(planner.to_world(workspace, BodyId::from_bits(id), point)?);
         Ok(())
+    })
+}
+
+/// Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot? Like
+/// simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot,
+/// whichever are planned for. The call allocates.
+///
+/// # Safety
+/// The arrays have this room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_planner_classify_pair(
+    planner: Option<&simdop_planner>,
+    workspace: Option<&mut simdop_workspace>,
+    a: simdop_body_id,
+    b: simdop_body_id,
+    boxes: usize,
+    meeting: *mut f64,
+    free: *mut f64,
+    report: Option<&mut MaybeUninit<simdop_pair_report>>,
+) -> simdop_error {
+    answered(report, || {
+        let (planner, workspace) = both(planner, workspace)?;
+        let variables = planner.robot().robot().limits.len();
+        // SAFETY: the caller guarantees the room.
+        let meeting = unsafe { places(meeting, variables, "meeting") }?;
+        // SAFETY: as above.
+        let free = unsafe { places(free, variables, "free") }?;
+        let pair = (BodyId::from_bits(a), BodyId::from_bits(b));
+        Ok(report_of(planner.classify_pair(workspace, pair, boxes)?, meeting, free))
     })
 }
 

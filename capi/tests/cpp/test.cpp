@@ -389,6 +389,12 @@ void paths(const simdop::planner &planner, const std::array<double, 4> &start, c
     }
     EXPECT(must(planner.to_world(workspace, post, {0, 0, 0}))[0] == 0.45);
 
+    std::array<double, 4> meeting{}, apart{};
+    const simdop::body_id hand = must(planner.link("hand"));
+    const auto report = must(planner.classify_pair(workspace, hand, post, 1000, meeting, apart));
+    EXPECT(report.pair_class == SIMDOP_PAIR_CLASS_SOMETIMES && report.has_meeting && report.has_free);
+    EXPECT(must(planner.within(workspace, meeting)).verdict == SIMDOP_VERDICT_HIT);
+
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0, 1);
     const std::vector<double> drawn = must(planner.random_free(workspace, [&] { return unit(random); }, 1000));
