@@ -91,10 +91,9 @@ impl PlanningScene {
         };
         let mut high = match self.check_motion(workspace, ends)?.verdict {
             MotionVerdict::Free => return Ok(1.0),
-            MotionVerdict::Hit { time, .. } => time,
             // Nothing meets before it, up to the rounding of the configuration there.
             MotionVerdict::Unresolved { from: time, .. } if is_free_to(workspace, time)? => return Ok(time),
-            MotionVerdict::Unresolved { from: time, .. } => time,
+            MotionVerdict::Hit { time, .. } | MotionVerdict::Unresolved { from: time, .. } => time,
         };
         let mut low = 0.0;
         while high - low > SHARE {

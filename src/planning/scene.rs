@@ -206,6 +206,7 @@ impl PlanningScene {
     }
 
     /// The names of the joints of the variables that are planned for.
+    #[must_use]
     pub fn variable_names(&self) -> impl ExactSizeIterator<Item = &str> {
         self.variables.iter().map(|&variable| self.robot.robot().variables[variable].as_str())
     }
