@@ -27,7 +27,7 @@ use std::ffi::{CString, c_long};
 use std::io::{BufRead, BufReader, Write};
 use std::mem::MaybeUninit;
 use std::path::Path;
-use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 const COUNT: usize = 4096;
 const ROUNDS: usize = 15;
@@ -299,6 +299,7 @@ fn c_planners(panda: &Panda, values: &'static [f64]) -> [Run; 2] {
 
 /// The program in C++, which waits until it is asked for a row.
 struct Cpp {
+    program: Child,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
 }
@@ -306,8 +307,15 @@ struct Cpp {
 impl Cpp {
     fn start(program: &str, folder: &Path) -> Self {
         let mut command = Command::new(program);
-        let mut child = command.arg(folder).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        Self { to: child.stdin.take().unwrap(), from: BufReader::new(child.stdout.take().unwrap()) }
+        let mut program = command.arg(folder).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let (to, from) = (program.stdin.take().unwrap(), program.stdout.take().unwrap());
+        Self { program, to, from: BufReader::new(from) }
+    }
+
+    /// Ends its input, and waits for it.
+    fn end(mut self) {
+        drop(self.to);
+        assert!(self.program.wait().unwrap().success());
     }
 
     /// Seconds, and the number of free configurations.
@@ -359,6 +367,7 @@ fn main() {
             times.iter_mut().zip(found).for_each(|(times, found)| times.push(found.0 * 1e6 / COUNT as f64));
         }
     }
+    cpp.end();
     println!("{free} of {COUNT} configurations are free; microseconds for each, and ratios to Rust:\n");
     println!("| configurations | Rust | C | C++ | C / Rust | C++ / Rust |\n|---|--:|--:|--:|--:|--:|");
     let names = ["scene, one by one", "scene, at once", "planner", "planner with bounds"];

@@ -224,17 +224,23 @@ fn plans_and_motions_are_the_librarys() {
         assert_eq!(error, simdop_error::None);
         assert_eq!(world, rust.to_world(&rust_workspace, id, point).unwrap());
     }
+    classes(&c, &rust);
+    paths(&c, &rust, &configurations);
+}
+
+fn classes(c: &simdop_planner, rust: &PlanningScene) {
     let [a, b] = [rust.link("hand").unwrap(), rust.objects()[0].0];
+    let n = rust.variables();
     let (mut meeting, mut free) = (vec![7.0; n], vec![7.0; n]);
+    let mut workspace = handle(|to| simdop_workspace_create(Some(c), to)).unwrap();
     // SAFETY: there is room for each variable.
     let report = answer(|report| unsafe {
         let (w, meeting, free) = (Some(&mut *workspace), meeting.as_mut_ptr(), free.as_mut_ptr());
-        simdop_planner_classify_pair(Some(&c), w, a.to_bits(), b.to_bits(), 1000, meeting, free, report)
+        simdop_planner_classify_pair(Some(c), w, a.to_bits(), b.to_bits(), 1000, meeting, free, report)
     });
     let (report, expected) =
-        (report.unwrap(), rust.classify_pair(&mut rust_workspace, (a, b), 1000).unwrap());
+        (report.unwrap(), rust.classify_pair(&mut rust.workspace(), (a, b), 1000).unwrap());
     assert_eq!((report.boxes, Some(meeting), Some(free)), (expected.boxes, expected.meeting, expected.free));
-    paths(&c, &rust, &configurations);
 }
 
 fn paths(c: &simdop_planner, rust: &PlanningScene, configurations: &[Vec<f64>]) {
