@@ -39,7 +39,7 @@
  * libsimdop_capi.a and on Linux -lpthread -lm -ldl.
  *
  * Memory. Queries allocate nothing, except for the message of a failure, and for motions and configurations: see
- * SIMDOP_EDGE_ROOM and simdop_scene_check_states(). They use at most 64 KiB of stack.
+ * SIMDOP_EDGE_ROOM and simdop_scene_check_states(). They use at most 64 KiB of stack. Functions that allocate say so.
  */
 
 #ifndef SIMDOP_H
@@ -249,10 +249,6 @@ typedef enum {
    */
   SIMDOP_ERROR_SHAPE_NO_BYTES = 56,
   /**
-   * For the pairs of a tree and one shape, the shape must be the first body.
-   */
-  SIMDOP_ERROR_SHAPE_ORDER = 57,
-  /**
    * A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
    */
   SIMDOP_ERROR_TOLERANCE = 60,
@@ -269,7 +265,7 @@ typedef enum {
    */
   SIMDOP_ERROR_BUFFER = 63,
   /**
-   * The bodies of a query of depths or contacts are not both of triangles.
+   * The bodies of a query of contacts are not both of triangles.
    */
   SIMDOP_ERROR_NOT_MESHES = 64,
   /**
@@ -440,6 +436,14 @@ typedef enum {
    * A body of the robot was given where only an object can be.
    */
   SIMDOP_ERROR_PLANNER_IS_ROBOT = 144,
+  /**
+   * The step of a plan is not positive.
+   */
+  SIMDOP_ERROR_PLANNER_STEP = 145,
+  /**
+   * The width of a planner's cells is not positive and finite.
+   */
+  SIMDOP_ERROR_PLANNER_CELL = 146,
 } simdop_error;
 
 /**
@@ -1104,6 +1108,30 @@ typedef struct {
 } simdop_motion_answer;
 
 /**
+ * Called with each hit. Returns 0 to go on, anything else to stop. It must return, without an exception or a
+ * longjmp(), and must not change the scene, which it may query.
+ */
+typedef int (*simdop_on_hit)(void *user, const simdop_scene_hit *hit);
+
+/**
+ * The answer of simdop_scene_each_hit().
+ */
+typedef struct {
+  /**
+   * How the query ended: unless it is complete, hits may be missing.
+   */
+  simdop_completion completion;
+  /**
+   * Pairs of bodies tested.
+   */
+  uint64_t pairs;
+  /**
+   * Query statistics, summed over these pairs.
+   */
+  simdop_query_stats stats;
+} simdop_scene_hits;
+
+/**
  * The answer of simdop_scene_clearance(): the smallest distance of two bodies lies in lower ..= upper.
  */
 typedef struct {
@@ -1141,6 +1169,28 @@ typedef struct {
    */
   simdop_query_stats stats;
 } simdop_scene_clearance_answer;
+
+/**
+ * The answer of simdop_scene_classify_pair().
+ */
+typedef struct {
+  /**
+   * The class.
+   */
+  simdop_pair_class pair_class;
+  /**
+   * Nonzero: `meeting` holds values at which the two meet.
+   */
+  int has_meeting;
+  /**
+   * Nonzero: `free` holds values at which they do not.
+   */
+  int has_free;
+  /**
+   * Number of boxes of values tested.
+   */
+  size_t boxes;
+} simdop_pair_report;
 
 /**
  * The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
@@ -1185,6 +1235,61 @@ typedef struct {
    */
   simdop_query_stats stats;
 } simdop_scene_signed_answer;
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * How to plan. Start from simdop_plan_settings_default().
+ */
+typedef struct {
+  /**
+   * Longest motion by which a tree grows, in the joints. Positive.
+   */
+  double step;
+  /**
+   * Greatest number of random configurations.
+   */
+  uint32_t configurations;
+  /**
+   * Number of straight motions that are tried to shorten the path.
+   */
+  uint32_t shortcuts;
+  /**
+   * Start of the random numbers. The same seed gives the same path on every machine.
+   */
+  uint64_t seed;
+} simdop_plan_settings;
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * The answer of simdop_planner_plan().
+ */
+typedef struct {
+  /**
+   * Number of configurations of the path, with both ends. 0 if no path was found.
+   */
+  size_t count;
+  /**
+   * Length of the path in the joints.
+   */
+  double length;
+  /**
+   * Number of motions that were checked.
+   */
+  uint32_t motions;
+  /**
+   * Number of configurations in both trees.
+   */
+  size_t nodes;
+} simdop_planned_path;
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Returns a random number from 0 to 1, without 1. It must return, without an exception or a longjmp().
+ */
+typedef double (*simdop_random)(void *user);
+#endif
 
 /**
  * The answer of simdop_collide() and simdop_within().
@@ -1386,52 +1491,6 @@ typedef struct {
    */
   simdop_pose pose;
 } simdop_link_body;
-
-/**
- * Called with each hit. Returns 0 to go on, anything else to stop. It must return, without an exception or a
- * longjmp(), and must not change the scene, which it may query.
- */
-typedef int (*simdop_on_hit)(void *user, const simdop_scene_hit *hit);
-
-/**
- * The answer of simdop_scene_each_hit().
- */
-typedef struct {
-  /**
-   * How the query ended: unless it is complete, hits may be missing.
-   */
-  simdop_completion completion;
-  /**
-   * Pairs of bodies tested.
-   */
-  uint64_t pairs;
-  /**
-   * Query statistics, summed over these pairs.
-   */
-  simdop_query_stats stats;
-} simdop_scene_hits;
-
-/**
- * The answer of simdop_scene_classify_pair().
- */
-typedef struct {
-  /**
-   * The class.
-   */
-  simdop_pair_class pair_class;
-  /**
-   * Nonzero: `meeting` holds values at which the two meet.
-   */
-  int has_meeting;
-  /**
-   * Nonzero: `free` holds values at which they do not.
-   */
-  int has_free;
-  /**
-   * Number of boxes of values tested.
-   */
-  size_t boxes;
-} simdop_pair_report;
 
 /**
  * A motion of some bodies over the times from 0 to 1, given by callbacks. They receive `user`, and refer to bodies by
@@ -1743,8 +1802,10 @@ simdop_error simdop_cloud_get_size(const simdop_cloud *cloud, simdop_cloud_size 
 void simdop_cloud_destroy(simdop_cloud *cloud);
 
 /**
- * How deep are two solids of triangles, or two shapes, in each other, and which way out is the shortest? Other bodies
- * are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+ * How deep are two bodies in each other, and which way out is the shortest? Of two shapes, and of a half-space and any
+ * body, the depth is known to rounding. Of solids of triangles the bounds are certain, but not tight. Of a surface,
+ * spheres or several shapes, nothing is known of the inside: the lower bound is 0, unless the other body is a
+ * half-space. Otherwise like simdop_collide().
  */
 simdop_error simdop_depth(const simdop_body *a,
                           const simdop_body *b,
@@ -1753,8 +1814,24 @@ simdop_error simdop_depth(const simdop_body *a,
                           simdop_depth_answer *answer);
 
 /**
- * How far apart are two solids of triangles, or how deep in each other, with the derivative by the pose? `tolerance` is
- * that of simdop_distance(). Other bodies are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+ * How far does body `a` have to be translated along `direction`, of three numbers in B's frame, until it does not meet
+ * `b` any more, however far it goes on? Writes an upper bound to `depth`, which exceeds the least such length by about
+ * 2^-30 of it. Zero for bodies that are free, infinite if the direction is zero or leads into a half-space. Otherwise
+ * like simdop_collide().
+ *
+ * # Safety
+ * `direction` has three numbers.
+ */
+simdop_error simdop_depth_along(const simdop_body *a,
+                                const simdop_body *b,
+                                const simdop_pose *a_in_b,
+                                const double *direction,
+                                uint64_t budget,
+                                double *depth);
+
+/**
+ * How far apart are two bodies, or how deep in each other, with the derivative by the pose? `tolerance` is that of
+ * simdop_distance(), and the depth is that of simdop_depth().
  */
 simdop_error simdop_signed_distance(const simdop_body *a,
                                     const simdop_body *b,
@@ -1914,8 +1991,8 @@ simdop_error simdop_cover(const double *vertices,
 
 /**
  * Calls `on_pair` with `user` once for each pair of primitives that meet. A body that is inside a solid and meets none
- * of its triangles has no pair. If exactly one body is one shape, pass it as `a`: SIMDOP_ERROR_SHAPE_ORDER otherwise.
- * Otherwise like simdop_collide().
+ * of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, of pairs that
+ * touch within the rounding of the inverse pose, some may be missing or not meet.
  *
  * # Safety
  * `user`, which may be NULL, is what `on_pair` expects.
@@ -2002,6 +2079,34 @@ simdop_error simdop_planner_limits(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
+ * Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
+ * long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
+ * of turns.
+ */
+simdop_error simdop_planner_get_variable(const simdop_planner *planner,
+                                         size_t index,
+                                         simdop_variable *variable);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the number of groups of joints of the SRDF file.
+ */
+simdop_error simdop_planner_groups(const simdop_planner *planner, size_t *count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the name of the group of an index: see simdop_planner_select_group(). It is valid as long as the planner or a
+ * copy of it.
+ */
+simdop_error simdop_planner_get_group(const simdop_planner *planner,
+                                      size_t index,
+                                      const char **name);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
  * Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
  * `count` numbers: one for each variable of the robot.
  *
@@ -2019,6 +2124,44 @@ simdop_error simdop_planner_select_group(simdop_planner *planner,
  * Places the robot's base in the world.
  */
 simdop_error simdop_planner_place_base(simdop_planner *planner, const simdop_pose *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Sets the length of the shortest interval of time that a motion is split into, 1e-6 at first: a motion that cannot be
+ * decided within it is unresolved. One that is NaN or not positive is an error of each motion.
+ */
+simdop_error simdop_planner_set_resolution(simdop_planner *planner,
+                                           double resolution);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
+ * or not certainly free.
+ */
+simdop_error simdop_planner_set_budget(simdop_planner *planner,
+                                       uint64_t budget);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
+ * which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
+ * this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
+ * Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
+ * links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
+ * bodies.
+ */
+simdop_error simdop_planner_use_bounds(simdop_planner *planner,
+                                       double cell);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 where the bounds do not apply.
+ */
+simdop_error simdop_planner_bound_bytes(const simdop_planner *planner, size_t *bytes);
 #endif
 
 #if defined(SIMDOP_PLANNING)
@@ -2112,7 +2255,7 @@ simdop_error simdop_planner_within(const simdop_planner *planner,
 /**
  * Which of `state_count` configurations are free? `values` has a number for each variable that is planned for, for the
  * first configuration, then for the second, and so on. `free` has room for a byte of each: 1 if it is certainly free,
- * otherwise 0. Writes to `count` how many are.
+ * otherwise 0. Writes to `count` how many are. On failure, `free` is written, but means nothing.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2142,6 +2285,73 @@ simdop_error simdop_planner_check_motion(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
+ * Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only. The verdict is never free: nothing is
+ * certain between them.
+ *
+ * # Safety
+ * The arrays have this length.
+ */
+simdop_error simdop_planner_check_motion_discrete(const simdop_planner *planner,
+                                                  simdop_workspace *workspace,
+                                                  const double *from,
+                                                  const double *to,
+                                                  uint32_t parts,
+                                                  simdop_motion_answer *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Which of `motion_count` straight motions are free at all times? `ends` has the values of the start of the first
+ * motion, those of its end, then those of the second motion, and so on. `free` and `count` are as those of
+ * simdop_planner_check_states().
+ *
+ * # Safety
+ * The arrays have these lengths.
+ */
+simdop_error simdop_planner_check_motions(const simdop_planner *planner,
+                                          simdop_workspace *workspace,
+                                          const double *ends,
+                                          size_t motion_count,
+                                          uint8_t *free,
+                                          size_t *count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Which share of a straight motion, from its start, is free at all times? Writes 1 if all of it is, and 0 if not even
+ * the start is. Otherwise the motion to `from` + share (`to` - `from`), the shorter way of continuous joints, is free,
+ * and a hit or an unresolved time is at most 1/1024 of the motion later.
+ *
+ * # Safety
+ * The arrays have a number for each variable that is planned for.
+ */
+simdop_error simdop_planner_free_share(const simdop_planner *planner,
+                                       simdop_workspace *workspace,
+                                       const double *from,
+                                       const double *to,
+                                       double *share);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Calls `on_hit` with `user` once for each two bodies that come within `margin` of each other in a configuration. It
+ * must not use the workspace. Otherwise like simdop_scene_each_hit().
+ *
+ * # Safety
+ * `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit`
+ * expects.
+ */
+simdop_error simdop_planner_each_hit(const simdop_planner *planner,
+                                     simdop_workspace *workspace,
+                                     const double *values,
+                                     double margin,
+                                     simdop_on_hit on_hit,
+                                     void *user,
+                                     simdop_scene_hits *hits);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
  * The least distance of two bodies in a configuration: like simdop_scene_clearance().
  *
  * # Safety
@@ -2153,6 +2363,55 @@ simdop_error simdop_planner_clearance(const simdop_planner *planner,
                                       double tolerance,
                                       double cutoff,
                                       simdop_scene_clearance_answer *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes the derivative of a clearance by each variable that is planned for, in the bodies' unit per unit of the
+ * variable. `near` is what simdop_planner_clearance() wrote, which must have been the last query of the workspace.
+ * Zeros if it has no hit, or its points coincide.
+ *
+ * # Safety
+ * `gradient` has room for a number of each variable.
+ */
+simdop_error simdop_planner_clearance_gradient(const simdop_planner *planner,
+                                               simdop_workspace *workspace,
+                                               const simdop_scene_clearance_answer *near,
+                                               double *gradient);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes where a point of a body, of three numbers in its frame, is in the world, in the last configuration of the
+ * workspace.
+ *
+ * # Safety
+ * `point` has three numbers, and `world` has room for them.
+ */
+simdop_error simdop_planner_to_world(const simdop_planner *planner,
+                                     const simdop_workspace *workspace,
+                                     simdop_body_id id,
+                                     const double *point,
+                                     double *world);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot? Like
+ * simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot,
+ * whichever are planned for. The call allocates.
+ *
+ * # Safety
+ * The arrays have this room.
+ */
+simdop_error simdop_planner_classify_pair(const simdop_planner *planner,
+                                          simdop_workspace *workspace,
+                                          simdop_body_id a,
+                                          simdop_body_id b,
+                                          size_t boxes,
+                                          double *meeting,
+                                          double *free,
+                                          simdop_pair_report *report);
 #endif
 
 #if defined(SIMDOP_PLANNING)
@@ -2170,6 +2429,54 @@ simdop_error simdop_planner_signed_clearance(const simdop_planner *planner,
                                              double cutoff,
                                              double *gradient,
                                              simdop_scene_signed_answer *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * A step of 1, 100,000 configurations, 100 shortcuts and the seed 1.
+ */
+simdop_plan_settings simdop_plan_settings_default(void);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all
+ * times. `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other.
+ * Goals that are not free are ignored; if the start is not, there is no path.
+ *
+ * Writes to `path`, which has room for `room` configurations, those of the path, one after the other, and to `answer`
+ * how many there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
+ *
+ * # Safety
+ * The arrays have these lengths.
+ */
+simdop_error simdop_planner_plan(const simdop_planner *planner,
+                                 simdop_workspace *workspace,
+                                 const double *start,
+                                 const double *goals,
+                                 size_t goal_count,
+                                 const simdop_plan_settings *settings,
+                                 double *path,
+                                 size_t room,
+                                 simdop_planned_path *answer);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
+ * Writes a random free configuration to `values`, which has room for a number of each variable that is planned for,
+ * from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not
+ * free, it writes 0 to `is_found`, and zeros to `values`. The call allocates.
+ *
+ * # Safety
+ * The array has this length, and `user`, which may be NULL, is what `random` expects.
+ */
+simdop_error simdop_planner_random_free(const simdop_planner *planner,
+                                        simdop_workspace *workspace,
+                                        simdop_random random,
+                                        void *user,
+                                        size_t tries,
+                                        double *values,
+                                        int *is_found);
 #endif
 
 /**

@@ -519,11 +519,19 @@ inline result<simdop_penetration_answer> penetration(const body &a, const body &
     });
 }
 
-/* How deep solids of triangles, or shapes, are in each other. */
+/* How deep two bodies are in each other. */
 inline result<simdop_depth_answer> depth(const body &a, const body &b, const pose &a_in_b,
                                          std::uint64_t budget = no_budget) {
     return detail::answer<simdop_depth_answer>(
         [&](simdop_depth_answer *answer) { return simdop_depth(a.get(), b.get(), &a_in_b, budget, answer); });
+}
+
+/* How far A has to move along a direction until it has left B for good. */
+inline result<double> depth_along(const body &a, const body &b, const pose &a_in_b, const vec3 &direction,
+                                  std::uint64_t budget = no_budget) {
+    return detail::answer<double>([&](double *depth) {
+        return simdop_depth_along(a.get(), b.get(), &a_in_b, direction.data(), budget, depth);
+    });
 }
 
 inline result<simdop_signed_distance_answer> signed_distance(const body &a, const body &b, const pose &a_in_b,
@@ -1115,11 +1123,50 @@ class planner {
         return limits;
     }
 
+    /* A variable that is planned for: its name and limits. The name is valid as long as the planner. */
+    result<simdop_variable> variable(std::size_t index) const {
+        return detail::answer<simdop_variable>([&](simdop_variable *variable) {
+            return simdop_planner_get_variable(get(), index, variable);
+        });
+    }
+
+    /* The names of the groups of joints of the SRDF file. */
+    result<std::vector<std::string>> groups() const {
+        std::size_t count = 0;
+        (void)simdop_planner_groups(get(), &count);
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < count; i++) {
+            const char *name = nullptr;
+            const simdop_error code = simdop_planner_get_group(get(), i, &name);
+            if (code != SIMDOP_ERROR_NONE) {
+                return detail::failure(code);
+            }
+            names.emplace_back(name);
+        }
+        return names;
+    }
+
     result<void> select_group(const std::string &name, view<const double> rest) {
         return detail::done(simdop_planner_select_group(get(), name.c_str(), rest.data(), rest.size()));
     }
     result<void> place_base(const pose &world) {
         return detail::done(simdop_planner_place_base(get(), &world));
+    }
+    /* The shortest interval of time that a motion is split into, of 0 to 1. */
+    result<void> set_resolution(double resolution) {
+        return detail::done(simdop_planner_set_resolution(get(), resolution));
+    }
+    result<void> set_budget(std::uint64_t budget) {
+        return detail::done(simdop_planner_set_budget(get(), budget));
+    }
+    /* Makes check_states() faster, by bounds in cells of this width. */
+    result<void> use_bounds(double cell) {
+        return detail::done(simdop_planner_use_bounds(get(), cell));
+    }
+    std::size_t bound_bytes() const {
+        std::size_t bytes = 0;
+        (void)simdop_planner_bound_bytes(get(), &bytes);
+        return bytes;
     }
 
     /* The body is kept until the planner and all its copies and workspaces are gone. */
@@ -1183,6 +1230,109 @@ class planner {
         });
     }
 
+    /* The same at parts + 1 times only. */
+    result<simdop_motion_answer> check_motion_discrete(workspace &workspace, view<const double> from,
+                                                       view<const double> to, std::uint32_t parts) const {
+        if (from.size() != variables() || to.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<simdop_motion_answer>([&](simdop_motion_answer *answer) {
+            return simdop_planner_check_motion_discrete(get(), workspace.get(), from.data(), to.data(), parts, answer);
+        });
+    }
+
+    /* Which straight motions are free at all times? `ends` has the values of both ends of each. Returns how many. */
+    result<std::size_t> check_motions(workspace &workspace, view<const double> ends, view<std::uint8_t> free) const {
+        if (ends.size() != 2 * variables() * free.size()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<std::size_t>([&](std::size_t *count) {
+            return simdop_planner_check_motions(get(), workspace.get(), ends.data(), free.size(), free.data(), count);
+        });
+    }
+
+    /* The share of a straight motion, from its start, that is free at all times. */
+    result<double> free_share(workspace &workspace, view<const double> from, view<const double> to) const {
+        if (from.size() != variables() || to.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<double>([&](double *share) {
+            return simdop_planner_free_share(get(), workspace.get(), from.data(), to.data(), share);
+        });
+    }
+
+    /* Calls `visit(simdop_scene_hit)` with each two bodies within a margin. It returns nothing, or whether to go on. */
+    template <class Visit>
+    result<simdop_scene_hits> each_hit(workspace &workspace, view<const double> values, double margin,
+                                       Visit visit) const {
+        if (values.size() != variables()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        detail::callback<Visit> callback(visit);
+        const auto on_hit = [](void *user, const simdop_scene_hit *hit) -> int {
+            return (*static_cast<detail::callback<Visit> *>(user))(*hit);
+        };
+        simdop_scene_hits hits{};
+        const simdop_error code =
+            simdop_planner_each_hit(get(), workspace.get(), values.data(), margin, on_hit, &callback, &hits);
+        callback.rethrow();
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        return hits;
+    }
+
+    /* A path of straight motions that are free at all times, from `start` to one of the goals, which follow each other:
+       its configurations, one after the other. Empty if none was found. */
+    result<std::vector<double>> plan(workspace &workspace, view<const double> start, view<const double> goals,
+                                     const simdop_plan_settings &settings = simdop_plan_settings_default()) const {
+        const std::size_t count = variables();
+        if (start.size() != count || count == 0 || goals.size() % count != 0) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        std::vector<double> path(64 * count);
+        for (;;) {
+            simdop_planned_path found{};
+            const simdop_error code = simdop_planner_plan(get(), workspace.get(), start.data(), goals.data(),
+                                                          goals.size() / count, &settings,
+                                                          view<double>(path).data(), path.size() / count, &found);
+            if (code != SIMDOP_ERROR_NONE && code != SIMDOP_ERROR_BUFFER) {
+                return detail::failure(code);
+            }
+            path.resize(found.count * count);
+            if (code == SIMDOP_ERROR_NONE) {
+                return path;
+            }
+        }
+    }
+
+    /* A random free configuration, from numbers of 0 to 1 that `random()` returns. Empty after as many tries. */
+    template <class Random>
+    result<std::vector<double>> random_free(workspace &workspace, Random random, std::size_t tries) const {
+        std::exception_ptr thrown;
+        auto next = [&]() noexcept -> double {
+            try {
+                return thrown ? 0 : random();
+            } catch (...) {
+                thrown = std::current_exception();
+                return 0;
+            }
+        };
+        const auto call = [](void *user) -> double { return (*static_cast<decltype(next) *>(user))(); };
+        std::vector<double> values(variables());
+        int is_found = 0;
+        const simdop_error code = simdop_planner_random_free(get(), workspace.get(), call, &next, tries,
+                                                             view<double>(values).data(), &is_found);
+        if (thrown) {
+            std::rethrow_exception(thrown);
+        }
+        if (code != SIMDOP_ERROR_NONE) {
+            return detail::failure(code);
+        }
+        values.resize(is_found != 0 ? values.size() : 0);
+        return values;
+    }
+
     result<simdop_scene_clearance_answer> clearance(
         workspace &workspace, view<const double> values, double tolerance = 0,
         double cutoff = std::numeric_limits<double>::infinity()) const {
@@ -1191,6 +1341,31 @@ class planner {
         }
         return detail::answer<simdop_scene_clearance_answer>([&](simdop_scene_clearance_answer *answer) {
             return simdop_planner_clearance(get(), workspace.get(), values.data(), tolerance, cutoff, answer);
+        });
+    }
+
+    /* The derivative of `near` by each variable, after the query that it answered. */
+    result<void> clearance_gradient(workspace &workspace, const simdop_scene_clearance_answer &near,
+                                    view<double> gradient) const {
+        if (gradient.size() != variables()) {
+            return detail::done(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::done(simdop_planner_clearance_gradient(get(), workspace.get(), &near, gradient.data()));
+    }
+
+    /* Where a point of a body is in the last configuration of the workspace. */
+    result<vec3> to_world(const workspace &workspace, body_id id, const vec3 &point) const {
+        return detail::answer<vec3>([&](vec3 *world) {
+            return simdop_planner_to_world(get(), workspace.get(), id, point.data(), world->data());
+        });
+    }
+
+    /* As of a scene: into places for a number of each variable of the robot. */
+    result<simdop_pair_report> classify_pair(workspace &workspace, body_id a, body_id b, std::size_t boxes,
+                                             view<double> meeting, view<double> free) const {
+        return detail::answer<simdop_pair_report>([&](simdop_pair_report *report) {
+            return simdop_planner_classify_pair(get(), workspace.get(), a, b, boxes, meeting.data(), free.data(),
+                                                report);
         });
     }
 

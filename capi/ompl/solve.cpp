@@ -1,16 +1,18 @@
 /*
- * Solves MotionBenchMaker's problems by RRTConnect with simdop, and beside it with FCL if it was built with it:
+ * Solves MotionBenchMaker's problems with simdop, and beside it with FCL if it was built with it:
  *
- *     solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY]]
+ *     solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY [PLANNER]]]
  *
- * EVERY: only each so many lines. With FCL, states are checked by OMPL's motion validator at samples, at its default
- * resolution, 1 % of the space. The edges of its paths are then checked by simdop at all times. Prints one line for
- * each set of problems and library.
+ * EVERY: only each so many lines. PLANNER: RRTConnect, or RRTstar, which has all seconds for each problem. With FCL,
+ * states are checked by OMPL's motion validator at samples, at its default resolution, 1 % of the space. The edges of
+ * its paths are then checked by simdop at all times. Prints a row for each set of problems and library. Times are of
+ * the processor.
  */
 #include <boost/property_tree/json_parser.hpp>
 #include <boost/property_tree/ptree.hpp>
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 #include <simdop_ompl.hpp>
@@ -19,9 +21,9 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -254,57 +256,86 @@ class fcl_checker : public base::StateValidityChecker {
 #endif
 
 struct outcome {
-    int problems = 0, solved = 0, edges = 0, wrong = 0;
-    std::vector<double> milliseconds;
+    int problems = 0, solved = 0, edges = 0, wrong = 0, wrong_paths = 0;
+    std::vector<double> milliseconds, lengths;
 };
+
+/* Of processor time: the machine may be busy. */
+double seconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct options {
+    double seconds = 1;
+    int every = 1;
+    bool is_star = false;
+};
+
+base::PlannerPtr planner_of(const base::SpaceInformationPtr &information, const options &options) {
+    if (options.is_star) {
+        return std::make_shared<ompl::geometric::RRTstar>(information);
+    }
+    return std::make_shared<ompl::geometric::RRTConnect>(information);
+}
 
 /* Solves a problem, and checks the path's edges at all times. */
 void solve(const base::SpaceInformationPtr &information, const base::SpaceInformationPtr &certain,
-           const problem &problem, double seconds, outcome &outcome) {
+           const problem &problem, const options &options, outcome &outcome) {
     ompl::geometric::SimpleSetup setup(information);
     base::ScopedState<> start(setup.getStateSpace()), goal(setup.getStateSpace());
     start = problem.start;
     goal = problem.goal;
     setup.setStartAndGoalStates(start, goal);
-    setup.setPlanner(std::make_shared<ompl::geometric::RRTConnect>(information));
+    setup.setPlanner(planner_of(information, options));
     setup.setup();
-    const auto begin = std::chrono::steady_clock::now();
-    const bool is_solved = setup.solve(seconds) == base::PlannerStatus::EXACT_SOLUTION;
-    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+    const double begin = seconds();
+    const base::PlannerTerminationCondition is_over([&] { return seconds() - begin > options.seconds; });
+    const bool is_solved = setup.solve(is_over) == base::PlannerStatus::EXACT_SOLUTION;
+    outcome.milliseconds.push_back(1e3 * (seconds() - begin));
     outcome.problems++;
-    outcome.milliseconds.push_back(taken.count());
     if (!is_solved) {
         return;
     }
     outcome.solved++;
     auto &path = setup.getSolutionPath();
+    outcome.lengths.push_back(path.length());
+    int wrong = 0;
     for (std::size_t i = 1; i < path.getStateCount(); i++) {
         outcome.edges++;
-        outcome.wrong += certain->checkMotion(path.getState(static_cast<unsigned>(i - 1)),
-                                              path.getState(static_cast<unsigned>(i)))
-                             ? 0
-                             : 1;
+        wrong += certain->checkMotion(path.getState(static_cast<unsigned>(i - 1)),
+                                      path.getState(static_cast<unsigned>(i)))
+                     ? 0
+                     : 1;
     }
+    outcome.wrong += wrong;
+    outcome.wrong_paths += wrong > 0 ? 1 : 0;
 }
 
-void print(const std::string &set, const char *library, outcome &outcome) {
-    double sum = 0;
-    for (const double time : outcome.milliseconds) {
-        sum += time;
+/* The number below which this share of the others is. */
+double percentile(std::vector<double> numbers, double share) {
+    if (numbers.empty()) {
+        return std::nan("");
     }
-    std::sort(outcome.milliseconds.begin(), outcome.milliseconds.end());
-    std::cout << set << "  " << library << "  " << outcome.solved << " of " << outcome.problems << " solved, "
-              << outcome.milliseconds[outcome.milliseconds.size() / 2] << " ms median, " << sum / outcome.problems
-              << " ms mean, " << outcome.wrong << " of " << outcome.edges << " edges not free" << std::endl;
+    std::sort(numbers.begin(), numbers.end());
+    return numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1) + 0.5)];
+}
+
+void print(const std::string &set, const char *library, const outcome &outcome) {
+    std::cout << "| " << set << " | " << library << " | " << outcome.solved << " of " << outcome.problems << " | "
+              << percentile(outcome.milliseconds, 0.5) << " | " << percentile(outcome.milliseconds, 0.95) << " | "
+              << percentile(outcome.lengths, 0.5) << " | " << outcome.wrong << " of " << outcome.edges << " | "
+              << outcome.wrong_paths << " |" << std::endl;
 }
 
 int run(int count, char **arguments) {
     if (count < 4) {
-        std::cerr << "usage: solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY]]\n";
+        std::cerr << "usage: solve panda.urdf panda.srdf mbm_panda.jsonl [SECONDS OF A PROBLEM [EVERY [PLANNER]]]\n";
         return EXIT_FAILURE;
     }
-    const double seconds = count > 4 ? std::atof(arguments[4]) : 1;
-    const int every = count > 5 ? std::max(1, std::atoi(arguments[5])) : 1;
+    options options;
+    options.seconds = count > 4 ? std::atof(arguments[4]) : 1;
+    options.every = count > 5 ? std::max(1, std::atoi(arguments[5])) : 1;
+    options.is_star = count > 6 && std::string(arguments[6]) == "RRTstar";
     ompl::msg::setLogLevel(ompl::msg::LOG_ERROR);
     ompl::RNG::setSeed(1);
     const panda panda = read_panda(arguments[1], arguments[2]);
@@ -312,20 +343,22 @@ int run(int count, char **arguments) {
     std::istringstream text(text_of(arguments[3]));
     int number = 0;
     for (std::string line; std::getline(text, line);) {
-        if (line.empty() || number++ % every != 0) {
+        if (line.empty() || number++ % options.every != 0) {
             continue;
         }
         const problem problem = read_problem(line, panda);
         const auto arm = arm_of(panda, problem);
         const auto certain = planning::information_of(arm);
-        solve(certain, certain, problem, seconds, by_simdop[problem.set]);
+        solve(certain, certain, problem, options, by_simdop[problem.set]);
 #ifdef SOLVE_WITH_FCL
         auto sampled = std::make_shared<base::SpaceInformation>(arm->space());
         sampled->setStateValidityChecker(std::make_shared<fcl_checker>(sampled, panda, problem, arm));
         sampled->setup();
-        solve(sampled, certain, problem, seconds, by_fcl[problem.set]);
+        solve(sampled, certain, problem, options, by_fcl[problem.set]);
 #endif
     }
+    std::cout << "| problems | library | solved | median, ms | 95 %, ms | length | edges not free | paths not free |\n"
+                 "|---|---|--:|--:|--:|--:|--:|--:|\n";
     const auto print_all = [](const char *library, std::map<std::string, outcome> &sets) {
         outcome all;
         for (auto &[set, outcome] : sets) {
@@ -333,7 +366,9 @@ int run(int count, char **arguments) {
             all.solved += outcome.solved;
             all.edges += outcome.edges;
             all.wrong += outcome.wrong;
+            all.wrong_paths += outcome.wrong_paths;
             all.milliseconds.insert(all.milliseconds.end(), outcome.milliseconds.begin(), outcome.milliseconds.end());
+            all.lengths.insert(all.lengths.end(), outcome.lengths.begin(), outcome.lengths.end());
             print(set, library, outcome);
         }
         if (all.problems > 0) {

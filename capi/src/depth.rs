@@ -1,16 +1,13 @@
 //! How deep two bodies are in each other, and where they touch.
 
 use crate::body::{View, simdop_body};
-use crate::boundary::{answered, given, places};
+use crate::boundary::{answered, given, items, places};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats};
+use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats, with_both};
 use simdop::query::{DepthInterval, SignedDistance, TriangleContact};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
-
-/// Tolerance of the depth of two shapes.
-const TIGHT: f64 = 1e-12;
 
 /// The depth of two bodies that meet.
 #[repr(C)]
@@ -122,12 +119,10 @@ pub struct simdop_contacts_answer {
     pub stats: simdop_query_stats,
 }
 
-fn not_meshes(what: &str) -> Failure {
-    Failure::new(simdop_error::NotMeshes, format!("{what} that are not both of triangles"))
-}
-
-/// How deep are two solids of triangles, or two shapes, in each other, and which way out is the shortest? Other bodies
-/// are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+/// How deep are two bodies in each other, and which way out is the shortest? Of two shapes, and of a half-space and any
+/// body, the depth is known to rounding. Of solids of triangles the bounds are certain, but not tight. Of a surface,
+/// spheres or several shapes, nothing is known of the inside: the lower bound is 0, unless the other body is a
+/// half-space. Otherwise like simdop_collide().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_depth(
     a: Option<&simdop_body>,
@@ -138,18 +133,36 @@ pub extern "C" fn simdop_depth(
 ) -> simdop_error {
     answered(answer, || {
         let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
-        Ok(match Both::new(a, b)? {
-            Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.depth(&a, &b, &pose, None),
-            Both::Half(View::Mesh(a), View::Mesh(b)) => query.depth(&a, &b, &pose, None),
-            Both::Fixed(View::Shape(a), View::Shape(b)) => query.depth_shapes(a, b, &pose, TIGHT),
-            _ => return Err(not_meshes("the depth of bodies")),
-        }
-        .into())
+        Ok(with_both!(Both::new(a, b)?, |a, b| a.depth(&query, &b, &pose))?.into())
     })
 }
 
-/// How far apart are two solids of triangles, or how deep in each other, with the derivative by the pose? `tolerance` is
-/// that of simdop_distance(). Other bodies are SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
+/// How far does body `a` have to be translated along `direction`, of three numbers in B's frame, until it does not meet
+/// `b` any more, however far it goes on? Writes an upper bound to `depth`, which exceeds the least such length by about
+/// 2^-30 of it. Zero for bodies that are free, infinite if the direction is zero or leads into a half-space. Otherwise
+/// like simdop_collide().
+///
+/// # Safety
+/// `direction` has three numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_depth_along(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    direction: *const f64,
+    budget: u64,
+    depth: Option<&mut MaybeUninit<f64>>,
+) -> simdop_error {
+    answered(depth, || {
+        let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
+        // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
+        let direction = unsafe { items(direction.cast::<[f64; 3]>(), 1, "direction") }?[0];
+        Ok(with_both!(Both::new(a, b)?, |a, b| a.depth_along(&query, &b, &pose, direction))?)
+    })
+}
+
+/// How far apart are two bodies, or how deep in each other, with the derivative by the pose? `tolerance` is that of
+/// simdop_distance(), and the depth is that of simdop_depth().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_signed_distance(
     a: Option<&simdop_body>,
@@ -161,16 +174,7 @@ pub extern "C" fn simdop_signed_distance(
 ) -> simdop_error {
     answered(answer, || {
         let (pose, query) = (given(a_in_b, "a_in_b")?.checked()?, query(budget));
-        Ok(match Both::new(a, b)? {
-            Both::Fixed(View::Mesh(a), View::Mesh(b)) => {
-                query.signed_distance(&a, &b, &pose, tolerance, None)?
-            }
-            Both::Half(View::Mesh(a), View::Mesh(b)) => {
-                query.signed_distance(&a, &b, &pose, tolerance, None)?
-            }
-            _ => return Err(not_meshes("the signed distance of bodies")),
-        }
-        .into())
+        Ok(with_both!(Both::new(a, b)?, |a, b| a.signed_distance(&query, &b, &pose, tolerance))?.into())
     })
 }
 
@@ -203,7 +207,10 @@ pub unsafe extern "C" fn simdop_contacts(
         let (completion, stats) = match Both::new(a, b)? {
             Both::Fixed(View::Mesh(a), View::Mesh(b)) => query.for_each_contact(&a, &b, &pose, write),
             Both::Half(View::Mesh(a), View::Mesh(b)) => query.for_each_contact(&a, &b, &pose, write),
-            _ => return Err(not_meshes("the contacts of bodies")),
+            _ => {
+                let message = "the contacts of bodies that are not both of triangles";
+                return Err(Failure::new(simdop_error::NotMeshes, message.into()));
+            }
         };
         Ok(simdop_contacts_answer { completion: completion.into(), count, stats: stats.into() })
     })

@@ -62,7 +62,7 @@ pub struct simdop_described_body {
 }
 
 /// A name. XML cannot contain a NUL.
-fn name(text: &str) -> CString {
+pub(crate) fn name(text: &str) -> CString {
     CString::new(text).unwrap_or_default()
 }
 
@@ -77,7 +77,7 @@ unsafe fn text<'t>(first: *const c_char, count: usize, name: &str) -> Result<&'t
         .map_err(|error| Failure::new(simdop_error::DescriptionFormat, format!("{name}: {error}")))
 }
 
-fn at<T>(items: &[T], index: usize) -> Result<&T, Failure> {
+pub(crate) fn at<T>(items: &[T], index: usize) -> Result<&T, Failure> {
     items.get(index).ok_or_else(|| {
         let message = format!("there is no index {index} among {}", items.len());
         Failure::new(simdop_error::DescriptionIndex, message)

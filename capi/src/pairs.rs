@@ -4,44 +4,11 @@ use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats};
-use simdop::primitive::shape;
-use simdop::query::{Completion, Pair, Penetration, QueryStats};
+use crate::query::{Both, query, simdop_completion, simdop_pair, simdop_query_stats, with_both};
+use simdop::query::{Pair, Penetration};
 use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
-
-/// Evaluates one of four expressions with both bodies, whatever their storage and primitives: of two trees, of a shape
-/// and a tree, of a tree and a shape, or of two shapes.
-macro_rules! with_bodies {
-    ($both:expr, |$a:ident, $b:ident| $($of:expr),* $(,)?) => {
-        match $both {
-            Both::Fixed(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
-            Both::Half(a, b) => with_bodies!(of a, b, |$a, $b| $($of),*),
-        }
-    };
-    (
-        of $of_a:ident, $of_b:ident, |$a:ident, $b:ident|
-        $trees:expr, $beside:expr, $reversed:expr, $shapes:expr
-    ) => {
-        match ($of_a, $of_b) {
-            (View::Mesh($a), View::Mesh($b)) => $trees,
-            (View::Mesh($a), View::Spheres($b)) => $trees,
-            (View::Mesh($a), View::Shapes($b)) => $trees,
-            (View::Spheres($a), View::Mesh($b)) => $trees,
-            (View::Spheres($a), View::Spheres($b)) => $trees,
-            (View::Spheres($a), View::Shapes($b)) => $trees,
-            (View::Shapes($a), View::Mesh($b)) => $trees,
-            (View::Shapes($a), View::Spheres($b)) => $trees,
-            (View::Shapes($a), View::Shapes($b)) => $trees,
-            (View::Shape($a), View::Mesh($b)) => $beside,
-            (View::Shape($a), View::Spheres($b)) => $beside,
-            (View::Shape($a), View::Shapes($b)) => $beside,
-            (View::Shape($a), View::Shape($b)) => $shapes,
-            ($a, View::Shape($b)) => $reversed,
-        }
-    };
-}
 
 /// Called with each pair of primitives that meet. Returns 0 to go on, anything else to stop. It must return, without an
 /// exception or a longjmp().
@@ -58,8 +25,8 @@ pub struct simdop_pairs {
 }
 
 /// Calls `on_pair` with `user` once for each pair of primitives that meet. A body that is inside a solid and meets none
-/// of its triangles has no pair. If exactly one body is one shape, pass it as `a`: SIMDOP_ERROR_SHAPE_ORDER otherwise.
-/// Otherwise like simdop_collide().
+/// of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, of pairs that
+/// touch within the rounding of the inverse pose, some may be missing or not meet.
 ///
 /// # Safety
 /// `user`, which may be NULL, is what `on_pair` expects.
@@ -75,8 +42,7 @@ pub unsafe extern "C" fn simdop_each_pair(
 ) -> simdop_error {
     answered(pairs, || {
         let (pose, on_pair) = (given(a_in_b, "a_in_b")?.checked()?, given(on_pair, "on_pair")?);
-        let both = Both::new(a, b)?;
-        let mut visit = |pair: Pair| {
+        let visit = |pair: Pair| {
             // SAFETY: the caller guarantees that `user` is what the function expects; the pair lives during the call.
             match unsafe { on_pair(user, &pair.into()) } {
                 0 => ControlFlow::Continue(()),
@@ -84,23 +50,8 @@ pub unsafe extern "C" fn simdop_each_pair(
             }
         };
         let (query, pose) = (query(budget), &pose);
-        let (completion, stats): (Completion, QueryStats) = with_bodies!(
-            both,
-            |a, b| query.for_each_pair(&a, &b, pose, &mut visit),
-            query.for_each_pair_shape(a, &b, pose, &mut visit),
-            {
-                let _ = (a, b);
-                return Err(Failure::new(
-                    simdop_error::ShapeOrder,
-                    "the pairs of a tree and one shape: pass the shape as a, with the inverse pose".into(),
-                ));
-            },
-            {
-                let does_stop = shape::meets(&a.moved(pose), b) && visit(Pair { a: 0, b: 0 }).is_break();
-                let completion = if does_stop { Completion::Stopped } else { Completion::Complete };
-                (completion, QueryStats::default())
-            },
-        );
+        let (completion, stats) =
+            with_both!(Both::new(a, b)?, |a, b| a.for_each_pair(&query, &b, pose, visit))?;
         Ok(simdop_pairs { completion: completion.into(), stats: stats.into() })
     })
 }

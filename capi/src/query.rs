@@ -8,7 +8,6 @@ use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Hint, Pair, Query, QueryStats, Verdict};
-use simdop::scene::BodyTree;
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
@@ -200,6 +199,24 @@ pub(crate) fn isa() -> Isa {
     *ISA
 }
 
+/// Evaluates an expression with two bodies of either storage.
+macro_rules! with_both {
+    ($both:expr, |$a:ident, $b:ident| $with:expr) => {
+        match $both {
+            $crate::query::Both::Fixed(a, b) => {
+                let ($a, $b) = (simdop::scene::BodyTree::from(a), simdop::scene::BodyTree::from(b));
+                $with
+            }
+            $crate::query::Both::Half(a, b) => {
+                let ($a, $b) = (simdop::scene::BodyTree::from(a), simdop::scene::BodyTree::from(b));
+                $with
+            }
+        }
+    };
+}
+
+pub(crate) use with_both;
+
 /// Two bodies that go together.
 #[derive(Copy, Clone)]
 pub(crate) enum Both<'a> {
@@ -222,28 +239,15 @@ impl<'a> Both<'a> {
     }
 
     fn collide(self, query: &Query, pose: &Pose) -> Result<Answer, Failure> {
-        Ok(match self {
-            Self::Fixed(a, b) => BodyTree::from(a).collide(query, &b.into(), pose)?,
-            Self::Half(a, b) => BodyTree::from(a).collide(query, &b.into(), pose)?,
-        })
+        with_both!(self, |a, b| Ok(a.collide(query, &b, pose)?))
     }
 
     fn within(self, query: &Query, pose: &Pose, margin: f64) -> Result<Answer, Failure> {
-        Ok(match self {
-            Self::Fixed(a, b) => BodyTree::from(a).within(query, &b.into(), pose, margin)?,
-            Self::Half(a, b) => BodyTree::from(a).within(query, &b.into(), pose, margin)?,
-        })
+        with_both!(self, |a, b| Ok(a.within(query, &b, pose, margin)?))
     }
 
     fn distance(self, query: &Query, pose: &Pose, tolerance: f64, cutoff: f64) -> Result<Distance, Failure> {
-        Ok(match self {
-            Self::Fixed(a, b) => {
-                BodyTree::from(a).distance_up_to(query, &b.into(), pose, tolerance, cutoff)?
-            }
-            Self::Half(a, b) => {
-                BodyTree::from(a).distance_up_to(query, &b.into(), pose, tolerance, cutoff)?
-            }
-        })
+        with_both!(self, |a, b| Ok(a.distance_up_to(query, &b, pose, tolerance, cutoff)?))
     }
 }
 

@@ -75,23 +75,75 @@ fn answers_are_the_librarys() {
     }
 }
 
+/// Two balls, or a ball and spheres of its size, and the way out of a half-space, by closed forms.
 #[test]
-fn bodies_of_other_kinds_are_refused() {
+fn bodies_of_every_kind_have_depths() {
+    let radius = support::BALL.numbers[0];
     let ball = support::shape(&support::BALL).unwrap();
+    let spheres = support::spheres(&[[0.0, 0.0, 0.0, radius]]).unwrap();
+    let ground = simdop_shape {
+        kind: simdop_shape_kind::HalfSpace as u32,
+        numbers: [0.0, 0.0, 1.0, 0.0],
+        ..support::BALL
+    };
+    let ground = support::shape(&ground).unwrap();
     let mesh = body(&cube(1.0).0);
-    let (ball, mesh) = (Some(&*ball), Some(&*mesh));
-    let at = simdop_pose { rows: [[1.0, 0.0, 0.0, 0.5], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
-    let at = Some(&at);
-    let balls = answer(|to| simdop_depth(ball, ball, at, SIMDOP_NO_BUDGET, to)).unwrap();
-    let expected = 2.0 * support::BALL.numbers[0] - 0.5;
-    assert!((balls.upper - expected).abs() < 1e-9 && (balls.lower - expected).abs() < 1e-9, "{balls:?}");
-    let depth = answer(|to| simdop_depth(ball, mesh, at, SIMDOP_NO_BUDGET, to)).unwrap_err();
-    let signed = answer(|to| simdop_signed_distance(ball, ball, at, 0.0, SIMDOP_NO_BUDGET, to)).unwrap_err();
-    let mut room = Vec::with_capacity(1);
+    let at =
+        |x: f64, z: f64| simdop_pose { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]] };
+    let budget = SIMDOP_NO_BUDGET;
+    let depth = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose| {
+        answer(|to| simdop_depth(Some(a), Some(b), Some(pose), budget, to)).unwrap()
+    };
+    let along = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose, direction: [f64; 3]| {
+        // SAFETY: there are three numbers.
+        answer(|to| unsafe {
+            simdop_depth_along(Some(a), Some(b), Some(pose), direction.as_ptr(), budget, to)
+        })
+        .unwrap()
+    };
+    let signed = |a: &simdop_body, b: &simdop_body, pose: &simdop_pose| {
+        answer(|to| simdop_signed_distance(Some(a), Some(b), Some(pose), 0.0, budget, to)).unwrap()
+    };
+    let expected = 2.0 * radius - 0.5;
+    for (a, b) in [(&ball, &ball), (&ball, &spheres), (&spheres, &ball), (&spheres, &spheres)] {
+        let found = depth(a, b, &at(0.5, 0.0));
+        let is_near = |bound: f64| (bound - expected).abs() < 1e-4;
+        assert!(is_near(found.upper) && found.lower < expected + 1e-9, "{found:?}");
+        let found = signed(a, b, &at(0.5, 0.0));
+        assert!(is_near(-found.lower) && found.upper <= 0.0, "{found:?}");
+        assert!((signed(a, b, &at(9.0, 0.0)).upper - (9.0 - 2.0 * radius)).abs() < 1e-9);
+        assert!((along(a, b, &at(0.5, 0.0), [2.0, 0.0, 0.0]) - expected).abs() < 1e-6);
+        assert_eq!(along(a, b, &at(9.0, 0.0), [1.0, 0.0, 0.0]), 0.0);
+        assert!(along(a, b, &at(0.5, 0.0), [0.0; 3]).is_infinite());
+    }
+    let balls = depth(&ball, &ball, &at(0.5, 0.0));
+    assert!((balls.lower - expected).abs() < 1e-9, "{balls:?}");
+    // The foot of the cube is at -1/4.
+    for (a, sign) in [(&mesh, 1.0), (&ground, -1.0)] {
+        let b = if sign > 0.0 { &ground } else { &mesh };
+        let (pose, up) = (at(0.0, sign * 0.25), [0.0, 0.0, sign]);
+        let found = depth(a, b, &pose);
+        assert!((found.lower - 0.25).abs() < 1e-9 && (found.upper - 0.25).abs() < 1e-9, "{found:?}");
+        assert!((along(a, b, &pose, up) - 0.25).abs() < 1e-9);
+        assert!(along(a, b, &pose, [0.0, 0.0, -sign]).is_infinite());
+    }
+    let negative =
+        answer(|to| simdop_signed_distance(Some(&mesh), Some(&ball), Some(&at(0.0, 0.0)), -1.0, budget, to));
+    assert_eq!(negative.unwrap_err(), simdop_error::Tolerance);
+    let (mesh, at) = (Some(&*mesh), at(0.0, 0.0));
+    // SAFETY: NULL is an error.
+    let null =
+        answer(|to| unsafe { simdop_depth_along(mesh, mesh, Some(&at), std::ptr::null(), budget, to) });
+    assert_eq!(null.unwrap_err(), simdop_error::Null);
+}
+
+#[test]
+fn contacts_are_of_triangles() {
+    let ball = support::shape(&support::BALL).unwrap();
+    let (mesh, mut room) = (body(&cube(1.0).0), Vec::with_capacity(1));
+    let (ball, mesh, at) = (Some(&*ball), Some(&*mesh), Some(&support::IDENTITY));
     // SAFETY: there is room for one.
     let contacts =
         answer(|to| unsafe { simdop_contacts(ball, mesh, at, SIMDOP_NO_BUDGET, room.as_mut_ptr(), 1, to) });
-    assert_eq!([depth, signed, contacts.unwrap_err()], [simdop_error::NotMeshes; 3]);
-    let negative = answer(|to| simdop_signed_distance(mesh, mesh, at, -1.0, SIMDOP_NO_BUDGET, to));
-    assert_eq!(negative.unwrap_err(), simdop_error::Tolerance);
+    assert_eq!(contacts.unwrap_err(), simdop_error::NotMeshes);
 }

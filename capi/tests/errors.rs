@@ -259,20 +259,15 @@ fn of_queries() -> Vec<simdop_error> {
         let is_inverted = std::ptr::eq(a.unwrap(), body.unwrap());
         assert_eq!(skewed.err(), is_inverted.then_some(simdop_error::PoseNotOrthonormal));
     }
-    unsafe extern "C" fn go_on(_: *mut c_void, _: *const simdop_pair) -> c_int {
-        0
-    }
-    let user = std::ptr::null_mut();
-    // SAFETY: the callback ignores `user`.
-    let order = answer(|pairs| unsafe {
-        simdop_each_pair(body, ball, Some(&IDENTITY), SIMDOP_NO_BUDGET, Some(go_on), user, pairs)
-    });
     let volume = answer(|volume| simdop_penetration(body, body, Some(&IDENTITY), SIMDOP_NO_BUDGET, volume));
-    let depth = answer(|depth| simdop_depth(ball, body, Some(&IDENTITY), SIMDOP_NO_BUDGET, depth));
+    let mut room = Vec::with_capacity(1);
+    // SAFETY: there is room for one.
+    let contacts = answer(|to| unsafe {
+        simdop_contacts(ball, body, Some(&IDENTITY), SIMDOP_NO_BUDGET, room.as_mut_ptr(), 1, to)
+    });
     vec![
-        order.unwrap_err(),
         volume.unwrap_err(),
-        depth.unwrap_err(),
+        contacts.unwrap_err(),
         not_rigid,
         placed(0, 3, f64::NAN),
         placed(0, 3, 1e300),

@@ -1,5 +1,5 @@
-//! Each call of the crate's table of questions, and each method of a query, a scene or a search, has a row in the table
-//! of `capi/README.md`, and each C name there is in the header.
+//! Each call of the crate's table of questions, and each method of a query, a body, a scene, a search or a planning
+//! scene, has a row in the table of `capi/README.md`, and each C name there is in the header.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -80,8 +80,9 @@ fn each_question_has_its_c_name() {
     assert!(questions.len() >= 12, "{questions:?}");
     for question in questions {
         for call in quoted(question[1]) {
-            let is_row = |path: &&String| name(path) == name(call);
-            let c = table.iter().find(|(path, _)| is_row(path)).map(|(_, c)| *c);
+            // Some are named without their type.
+            let of_name = || table.iter().find(|(path, _)| name(path) == name(call)).map(|(_, c)| *c);
+            let c = table.get(call).copied().or_else(of_name);
             let c = c.unwrap_or_else(|| panic!("{call} has no row"));
             assert!(quoted(c).next().is_some(), "{call} has no C name: {c}");
         }
@@ -92,17 +93,21 @@ fn each_question_has_its_c_name() {
 fn each_method_has_a_row() {
     let text = read("capi/README.md");
     let (table, mut found) = (table(&text), Vec::new());
-    for (folder, types) in
-        [("src/query", ["Query"]), ("src/scene", ["Scene"]), ("src/cloud", ["RangeSearch"])]
-    {
-        methods(&root().join(folder), &types, &mut found);
+    for (folder, types) in [
+        ("src/query", &["Query"][..]),
+        ("src/scene", &["Scene", "BodyTree"]),
+        ("src/cloud", &["RangeSearch"]),
+        ("src/planning", &["PlanningScene"]),
+    ] {
+        methods(&root().join(folder), types, &mut found);
     }
-    assert!(found.len() >= 50, "{found:?}");
+    assert!(found.len() >= 90, "{found:?}");
     for method in &found {
         let c = table.get(method).unwrap_or_else(|| panic!("{method} has no row"));
         assert!(quoted(c).next().is_some() || c.starts_with("none: "), "{method}: {c}");
     }
-    for path in table.keys().filter(|path| ["Query::", "Scene::"].iter().any(|of| path.starts_with(of))) {
+    let types = ["Query::", "Scene::", "BodyTree::", "PlanningScene::"];
+    for path in table.keys().filter(|path| types.iter().any(|of| path.starts_with(of))) {
         assert!(found.contains(path), "{path} does not exist");
     }
 }

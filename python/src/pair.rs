@@ -18,31 +18,6 @@ pub(crate) fn query() -> Query {
     Query::new(*ISA)
 }
 
-/// Evaluates one of four expressions: for two trees, a shape and a tree, two shapes, or any other pair.
-macro_rules! with_pair {
-    (
-        ($of_a:expr, $of_b:expr), |$a:ident, $b:ident|
-        $trees:expr, $beside:expr, $shapes:expr, $others:expr $(,)?
-    ) => {
-        match ($of_a, $of_b) {
-            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Mesh($a), BodyTree::Shapes($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Spheres($a), BodyTree::Shapes($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Mesh($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Spheres($b)) => $trees,
-            (BodyTree::Shapes($a), BodyTree::Shapes($b)) => $trees,
-            (BodyTree::Shape($a), BodyTree::Mesh($b)) => $beside,
-            (BodyTree::Shape($a), BodyTree::Spheres($b)) => $beside,
-            (BodyTree::Shape($a), BodyTree::Shapes($b)) => $beside,
-            (BodyTree::Shape($a), BodyTree::Shape($b)) => $shapes,
-            ($a, $b) => $others,
-        }
-    };
-}
-
 /// The exception for two bodies, which the caller never put into a scene.
 fn as_of_bodies(error: SceneError) -> PyErr {
     match error {
@@ -116,7 +91,7 @@ pub(crate) fn depth_along(a: &View<'_>, b: &View<'_>, pose: &Pose, direction: [f
 
 /// Up to `limit` pairs of primitives that meet.
 pub(crate) fn contacts(a: &View<'_>, b: &View<'_>, pose: &Pose, limit: usize) -> PyResult<Vec<Pair>> {
-    let (query, mut pairs) = (query(), Vec::new());
+    let mut pairs = Vec::new();
     if limit == 0 {
         return Ok(pairs);
     }
@@ -124,20 +99,6 @@ pub(crate) fn contacts(a: &View<'_>, b: &View<'_>, pose: &Pose, limit: usize) ->
         pairs.push(pair);
         if pairs.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
-    with_pair!(
-        (a, b),
-        |a, b| _ = query.for_each_pair(a, b, pose, visit),
-        _ = query.for_each_pair_shape(a, b, pose, visit),
-        pairs.extend(query.collide_shapes(a, b, pose).hit()),
-        match (a, b) {
-            // From the shape's side, with the same bodies: which of them moves does not matter to a pair that meets.
-            (tree, BodyTree::Shape(_)) if !matches!(tree, BodyTree::PointCloud(_)) => {
-                let inverse = Pose::relative(&Pose::IDENTITY, pose).or_raise()?;
-                let reversed = contacts(b, tree, inverse.pose(), limit)?;
-                pairs.extend(reversed.into_iter().map(|Pair { a, b }| Pair { a: b, b: a }));
-            }
-            _ => pairs.extend(collide(a, b, pose)?.hit()),
-        },
-    );
+    let _without_budget = a.for_each_pair(&query(), b, pose, visit).map_err(as_of_bodies)?;
     Ok(pairs)
 }

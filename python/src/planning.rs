@@ -201,6 +201,20 @@ impl PyPlanningScene {
         table(py, self.read().limits().to_vec())
     }
 
+    /// The names of the joints of the variables that are planned for.
+    #[getter]
+    fn variables(&self) -> Vec<String> {
+        self.read().variable_names().map(str::to_owned).collect()
+    }
+
+    /// Whether each variable that is planned for is of a continuous joint, of which motions take the shorter way
+    /// around, (n,).
+    #[getter]
+    fn continuous<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        let scene = self.read();
+        array(py, (0..scene.variables()).map(|variable| scene.is_continuous(variable)).collect())
+    }
+
     /// The names of the robot's bodies: those of their links, with a number for all but the first of a link.
     #[getter]
     fn links(&self) -> Vec<String> {
@@ -270,6 +284,17 @@ impl PyPlanningScene {
         py.detach(|| {
             let scene = self.read();
             Ok(scene.check_motion(self.workspace(&scene).get(), [&start, &end]).or_raise()?.is_free())
+        })
+    }
+
+    /// Which share of the straight motion from one configuration to another, counted from its start, is free at all
+    /// times: 1 if all of it is; 0 if not even the start is. The motion to ``start + share * (end - start)`` is free,
+    /// and where it ends is at most 1/1024 of the whole before a time at which it is not known to be.
+    fn free_share(&self, py: Python<'_>, start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let (start, end) = (vector(start, "start")?, vector(end, "end")?);
+        py.detach(|| {
+            let scene = self.read();
+            scene.free_share(self.workspace(&scene).get(), [&start, &end]).or_raise()
         })
     }
 
@@ -359,10 +384,10 @@ impl PyPlanningScene {
             let scene = self.read();
             let mut borrowed = self.workspace(&scene);
             let near = scene.clearance(borrowed.get(), &values, tolerance, cutoff).or_raise()?;
-            let gradient = match &near.witness {
-                Some(witness) => scene.clearance_gradient(borrowed.get(), witness).or_raise()?,
-                None => vec![0.0; scene.variables()],
-            };
+            let mut gradient = vec![0.0; scene.variables()];
+            if let Some(witness) = &near.witness {
+                scene.clearance_gradient(borrowed.get(), witness, &mut gradient).or_raise()?;
+            }
             let witness = near.witness.map(|witness| {
                 let numbers = [witness.hit.a.to_bits(), witness.hit.b.to_bits()];
                 (Hit { numbers, pair: witness.hit.pair }, [witness.a, witness.b])

@@ -53,6 +53,8 @@ def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.r
     assert planning.objects == {"post": number}
     assert planning.links == ["upper", "lower"]
     assert planning.groups == ["arm", "last"]
+    assert planning.variables == ["shoulder", "elbow"]
+    assert planning.continuous.tolist() == [False, False]
     assert planning.limits.tolist() == [[-3, 3], [-3, 3]]
     assert len(planning) == 2
     many = rng.uniform(-3, 3, size=(300, 2))

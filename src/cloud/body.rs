@@ -242,7 +242,7 @@ impl CloudRef<'_> {
 
 /// The points of a bucket and their indices.
 #[inline(always)]
-pub(super) fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
+pub(crate) fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
     let used = bucket.used();
     (0..16).filter(move |&slot| used >> slot & 1 != 0).map(|slot| {
         let at = Sphere { centre: bucket.point(slot).map(f64::from), radius: 0.0 };

@@ -66,6 +66,7 @@ mod upkeep;
 mod view;
 
 pub use body::Contact;
+pub(crate) use body::points_of;
 pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
 #[cfg(feature = "alloc")]
 pub use depth_image::{DepthImage, DepthImageError, Pinhole};

@@ -7,8 +7,6 @@ use crate::motion::MotionError;
 use crate::range::Point;
 use crate::scene::{BodyId, SceneDistance, SceneError, SceneSignedDistance, SceneWitness};
 use crate::vector::{difference, dot, unit};
-use alloc::vec;
-use alloc::vec::Vec;
 
 impl PlanningScene {
     /// The least distance between two tested bodies, up to `cutoff` ([`Scene::clearance`](crate::Scene::clearance)).
@@ -31,19 +29,22 @@ impl PlanningScene {
     /// of the variable: `n . (b' - a')`, where n is the unit vector from the point a of the witness to its point b, and
     /// the dash is the derivative of a point that moves with its body. `witness` is that of [`PlanningScene::clearance`]
     /// for the same values, and must have been the last query of the workspace. All zero where the points coincide.
+    /// Without heap.
     ///
     /// # Errors
-    /// [`PlanningError::Scene`] if a body of the witness does not exist.
+    /// [`PlanningError::Scene`] if a body of the witness does not exist, or `gradient` has not one number for each
+    /// variable.
     pub fn clearance_gradient(
         &self,
         workspace: &mut Workspace,
         witness: &SceneWitness,
-    ) -> Result<Vec<f64>, PlanningError> {
-        let mut gradient = vec![0.0; self.variables()];
+        gradient: &mut [f64],
+    ) -> Result<(), PlanningError> {
+        self.check_length(gradient)?;
         let points = [(witness.hit.a, witness.a), (witness.hit.b, witness.b)];
         let normal = unit(&difference(&witness.a, &witness.b)).unwrap_or_default();
-        self.slopes(workspace, points, &normal, &mut gradient)?;
-        Ok(gradient)
+        gradient.fill(0.0);
+        self.slopes(workspace, points, &normal, gradient)
     }
 
     /// The least signed distance of two tested bodies, up to `cutoff`, and its derivative by each variable that is
@@ -65,10 +66,7 @@ impl PlanningScene {
         cutoff: f64,
         gradient: &mut [f64],
     ) -> Result<SceneSignedDistance, PlanningError> {
-        if gradient.len() != self.variables() {
-            let error = MotionError::Length { given: gradient.len(), needed: self.variables() };
-            return Err(SceneError::from(error).into());
-        }
+        self.check_length(gradient)?;
         self.go_to(workspace, values)?;
         let found = workspace.scene.signed_clearance(&self.query, tolerance, cutoff)?;
         gradient.fill(0.0);
@@ -77,6 +75,14 @@ impl PlanningScene {
             self.slopes(workspace, points, &witness.normal, gradient)?;
         }
         Ok(found)
+    }
+
+    fn check_length(&self, gradient: &[f64]) -> Result<(), PlanningError> {
+        if gradient.len() == self.variables() {
+            return Ok(());
+        }
+        let error = MotionError::Length { given: gradient.len(), needed: self.variables() };
+        Err(SceneError::from(error).into())
     }
 
     /// Adds to each number the derivative, by its variable, of how far the first point is ahead of the second along the

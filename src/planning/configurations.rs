@@ -3,6 +3,7 @@
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
+use crate::query::{Completion, QueryStats};
 use crate::scene::{SceneAnswer, SceneHit};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -53,13 +54,30 @@ impl PlanningScene {
         values: &[f64],
         margin: f64,
     ) -> Result<Vec<SceneHit>, PlanningError> {
-        self.go_to(workspace, values)?;
         let mut hits = Vec::new();
-        let _ = workspace.scene.for_each_hit(&self.query, margin, |hit| {
+        let _ = self.for_each_hit(workspace, values, margin, |hit| {
             hits.push(hit);
             ControlFlow::Continue(())
         })?;
         Ok(hits)
+    }
+
+    /// Calls `visit` with each hit of [`PlanningScene::hits`], until it breaks. Returns what [`Scene::for_each_hit`]
+    /// does. Without heap.
+    ///
+    /// [`Scene::for_each_hit`]: crate::Scene::for_each_hit
+    ///
+    /// # Errors
+    /// As [`PlanningScene::within`].
+    pub fn for_each_hit(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        margin: f64,
+        visit: impl FnMut(SceneHit) -> ControlFlow<()>,
+    ) -> Result<(Completion, u64, QueryStats), PlanningError> {
+        self.go_to(workspace, values)?;
+        Ok(workspace.scene.for_each_hit(&self.query, margin, visit)?)
     }
 
     /// Which configurations are certainly free? Their values stand one after the other. Runs on several threads with
@@ -70,8 +88,32 @@ impl PlanningScene {
     /// [`PlanningScene::is_free`].
     pub fn free(&self, configurations: &[f64]) -> Result<Vec<bool>, PlanningError> {
         self.on_threads(configurations, self.variables(), |workspace, values, free| {
-            self.free_of_job(workspace, values, free)
+            self.check_states(workspace, values, free)
         })
+    }
+
+    /// As [`PlanningScene::free`], on this thread: writes to `free`, which has a place for each configuration, whether
+    /// it is certainly free. Without heap, except that the first call of a workspace after a change copies the scene.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::free`].
+    pub fn check_states(
+        &self,
+        workspace: &mut Workspace,
+        configurations: &[f64],
+        free: &mut [bool],
+    ) -> Result<(), PlanningError> {
+        Self::check_count(configurations, self.variables(), free)?;
+        self.free_of_job(workspace, configurations, free)
+    }
+
+    /// Checks that there are `length` values for each place.
+    pub(super) fn check_count(values: &[f64], length: usize, places: &[bool]) -> Result<(), PlanningError> {
+        if length > 0 && length.checked_mul(places.len()) == Some(values.len()) {
+            Ok(())
+        } else {
+            Err(PlanningError::Values { given: values.len(), variables: length })
+        }
     }
 
     /// Evaluates many queries of `length` values each, in runs of up to 64.

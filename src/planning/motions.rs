@@ -6,9 +6,12 @@ use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
 use crate::motion::{JointMotion, MotionError};
-use crate::scene::{MotionAnswer, MotionMemory, Scene, SceneError};
+use crate::scene::{MotionAnswer, MotionMemory, MotionVerdict, Scene, SceneError};
 use alloc::vec::Vec;
 use core::num::NonZeroU32;
+
+/// Of [`PlanningScene::free_share`].
+const SHARE: f64 = 1.0 / 1024.0;
 
 impl PlanningScene {
     /// Is the straight motion from one configuration to another free at all times
@@ -50,12 +53,54 @@ impl PlanningScene {
     /// [`PlanningScene::check_motion`].
     pub fn free_motions(&self, motions: &[f64]) -> Result<Vec<bool>, PlanningError> {
         self.on_threads(motions, 2 * self.variables(), |workspace, motions, free| {
-            for (free, ends) in free.iter_mut().zip(motions.chunks(2 * self.variables())) {
-                let (from, to) = ends.split_at(self.variables());
-                *free = self.check_motion(workspace, [from, to])?.is_free();
-            }
-            Ok(())
+            self.check_motions(workspace, motions, free)
         })
+    }
+
+    /// As [`PlanningScene::free_motions`], on this thread: writes to `free`, which has a place for each motion, whether
+    /// it is certainly free. Without heap, as [`PlanningScene::check_states`].
+    ///
+    /// # Errors
+    /// As [`PlanningScene::free_motions`].
+    pub fn check_motions(
+        &self,
+        workspace: &mut Workspace,
+        motions: &[f64],
+        free: &mut [bool],
+    ) -> Result<(), PlanningError> {
+        let length = 2 * self.variables();
+        Self::check_count(motions, length, free)?;
+        for (free, ends) in free.iter_mut().zip(motions.chunks(length)) {
+            let (from, to) = ends.split_at(self.variables());
+            *free = self.check_motion(workspace, [from, to])?.is_free();
+        }
+        Ok(())
+    }
+
+    /// Which share of a straight motion, from its start, is certainly free at all times? 1 if all of it is. Otherwise
+    /// the motion to [`PlanningScene::between`] at this share is, and a hit or an unresolved time is at most 1/1024 of
+    /// the motion later. 0 if not even the start is free.
+    ///
+    /// # Errors
+    /// As [`PlanningScene::check_motion`].
+    pub fn free_share(&self, workspace: &mut Workspace, ends: [&[f64]; 2]) -> Result<f64, PlanningError> {
+        let [from, to] = ends;
+        let is_free_to = |workspace: &mut Workspace, share| {
+            let there = self.between(from, to, share)?;
+            Ok::<_, PlanningError>(self.check_motion(workspace, [from, &there])?.is_free())
+        };
+        let mut high = match self.check_motion(workspace, ends)?.verdict {
+            MotionVerdict::Free => return Ok(1.0),
+            // Nothing meets before it, up to the rounding of the configuration there.
+            MotionVerdict::Unresolved { from: time, .. } if is_free_to(workspace, time)? => return Ok(time),
+            MotionVerdict::Hit { time, .. } | MotionVerdict::Unresolved { from: time, .. } => time,
+        };
+        let mut low = 0.0;
+        while high - low > SHARE {
+            let middle = low + 0.5 * (high - low);
+            (low, high) = if is_free_to(workspace, middle)? { (middle, high) } else { (low, middle) };
+        }
+        Ok(low)
     }
 
     fn along(

@@ -205,6 +205,19 @@ impl PlanningScene {
         self.variables.len()
     }
 
+    /// The names of the joints of the variables that are planned for.
+    #[must_use]
+    pub fn variable_names(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.variables.iter().map(|&variable| self.robot.robot().variables[variable].as_str())
+    }
+
+    /// Whether a variable, by its index among those that are planned for, is of a continuous joint, of which motions
+    /// take the shorter way around. False if there is no such variable.
+    #[must_use]
+    pub fn is_continuous(&self, variable: usize) -> bool {
+        self.variables.get(variable).is_some_and(|&variable| self.robot.robot().continuous[variable])
+    }
+
     /// Lower and upper limits of the variables that are planned for.
     #[must_use]
     pub fn limits(&self) -> &[[f64; 2]] {

@@ -140,6 +140,8 @@ impl PlanningScene {
     ) -> Result<(), PlanningError> {
         let length = self.variables();
         let has_budget = self.query.budget() != u64::MAX;
+        // Before its memory is used, which may be that of other bounds.
+        self.serve(workspace);
         let screen = self.screen.as_ref().filter(|_| !has_budget);
         let Some((screen, mut doubts)) = screen.zip(workspace.doubts.take()) else {
             for (free, values) in free.iter_mut().zip(values.chunks(length)) {
@@ -147,18 +149,31 @@ impl PlanningScene {
             }
             return Ok(());
         };
+        let decided = self.free_by_screen(workspace, values, free, screen, &mut doubts);
+        workspace.doubts = Some(doubts);
+        decided
+    }
+
+    fn free_by_screen(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        free: &mut [bool],
+        screen: &Screen,
+        doubts: &mut Doubts,
+    ) -> Result<(), PlanningError> {
+        let length = self.variables();
         for (free, values) in free.chunks_mut(LANES).zip(values.chunks(LANES * length)) {
-            let lanes = self.fill_lanes(workspace, values, &mut doubts)?;
-            let decided = screen.decide(self.query.isa(), lanes, &mut doubts);
+            let lanes = self.fill_lanes(workspace, values, doubts)?;
+            let decided = screen.decide(self.query.isa(), lanes, doubts);
             for (lane, (free, values)) in free.iter_mut().zip(values.chunks(length)).enumerate() {
                 *free = if (decided.free | decided.hit) >> lane & 1 == 1 {
                     decided.free >> lane & 1 == 1
                 } else {
-                    self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, &doubts))?
+                    self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, doubts))?
                 };
             }
         }
-        workspace.doubts = Some(doubts);
         Ok(())
     }
 

@@ -9,16 +9,19 @@ use super::error::SceneError;
 use super::memory::{SceneMemory, Slot};
 use super::placement::Scene;
 use super::{SceneHit, SceneSignedDistance, SceneVerdict, SignedWitness};
+use crate::cloud::{CloudRef, points_of};
 use crate::exact::power_of_two;
 use crate::node::Aabb16;
 use crate::pose::Pose;
+use crate::primitive::Shape;
 use crate::primitive::shape::{Convex, Core};
 use crate::query::{
-    Answer, ByQueries, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats, SignedDistance,
-    Verdict, Witness, depth_along_by,
+    Answer, ByQueries, Completion, DepthInterval, Distance, Hint, Lanes, Pair, Query, QueryStats,
+    SignedDistance, Verdict, Witness, depth_along_by,
 };
 use crate::range::Point;
 use crate::vector::{dot, unit};
+use ::core::ops::ControlFlow;
 
 /// Evaluates an expression for two trees, or the arms of a match for other pairs.
 macro_rules! of_two_trees {
@@ -113,6 +116,57 @@ impl<N: Lanes> BodyTree<'_, N> {
             query.distance_shape(a, b, pose, tolerance, cutoff)?,
             query.distance_shapes(a, b, pose, tolerance, cutoff)?,
             distance_in_scene(query, [a, b], pose, tolerance, cutoff)?,
+        ))
+    }
+}
+
+impl<N: Lanes> BodyTree<'_, N> {
+    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks: as [`Query::for_each_pair`],
+    /// for bodies of any kind. The primitive of a shape is 0, those of a cloud are its points.
+    ///
+    /// If this is a tree and the other one a shape, or the other one is a cloud, the inverse pose moves the other one:
+    /// of pairs that touch within its rounding, about 1e-14 of the coordinates, some may be missing or not meet. Each
+    /// point of a cloud is tested alone.
+    ///
+    /// # Errors
+    /// [`SceneError`]: both are clouds, or the pose has no inverse and one is needed.
+    pub fn for_each_pair(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        mut visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> Result<(Completion, QueryStats), SceneError> {
+        self.pairs(query, other, pose, &mut visit)
+    }
+
+    // Not generic in the closure, since it calls itself with another one.
+    fn pairs(
+        &self,
+        query: &Query,
+        other: &Self,
+        pose: &Pose,
+        visit: &mut dyn FnMut(Pair) -> ControlFlow<()>,
+    ) -> Result<(Completion, QueryStats), SceneError> {
+        Ok(of_two_bodies!(
+            (&self.view(), &other.view()),
+            |a, b| query.for_each_pair(a, b, pose, visit),
+            query.for_each_pair_shape(a, b, pose, visit),
+            {
+                let answer = query.collide_shapes(a, b, pose);
+                let is_stopped = answer.hit().is_some_and(|pair| visit(pair).is_break());
+                (if is_stopped { Completion::Stopped } else { Completion::Complete }, answer.stats)
+            },
+            match (a, b) {
+                (BodyTree::PointCloud(_), BodyTree::PointCloud(_)) => {
+                    return in_scene([a, b], pose, |_, id| Err(SceneError::TwoClouds { id }));
+                }
+                (BodyTree::PointCloud(cloud), body) => pairs_of_points(query, cloud, body, pose, visit)?,
+                (body, other) => {
+                    let mut swapped = |Pair { a, b }| visit(Pair { a: b, b: a });
+                    other.pairs(query, body, &pose.inverse()?, &mut swapped)?
+                }
+            },
         ))
     }
 }
@@ -222,6 +276,26 @@ impl<N: Lanes> BodyTree<'_, N> {
 
 /// Of the depth of two shapes.
 const TOLERANCE: f64 = power_of_two(-40);
+
+fn pairs_of_points<N: Lanes>(
+    query: &Query,
+    cloud: &CloudRef<'_>,
+    body: &BodyTree<'_, N>,
+    pose: &Pose,
+    visit: &mut dyn FnMut(Pair) -> ControlFlow<()>,
+) -> Result<(Completion, QueryStats), SceneError> {
+    let mut work = QueryStats::default();
+    for (index, at) in cloud.buckets().iter().flat_map(points_of) {
+        let point = BodyTree::Shape(Shape::unchecked(Core::Point(at.centre), 0.0));
+        let mut of_point = |pair: Pair| visit(Pair { a: index, ..pair });
+        let (completion, stats) = point.pairs(&query.after(&work), body, pose, &mut of_point)?;
+        work = work.and(&stats);
+        if completion != Completion::Complete {
+            return Ok((completion, work));
+        }
+    }
+    Ok((Completion::Complete, work))
+}
 
 fn half_space_normal<N>(tree: &BodyTree<'_, N>) -> Option<Point> {
     match tree {

@@ -4,7 +4,7 @@ use super::{arm, at, scene};
 use crate::real::{insert_obstacles, load, robots::SETTINGS};
 use crate::support::data::{self, directory};
 use crate::support::rng::Rng;
-use simdop::planning::{PlanningError, PlanningScene};
+use simdop::planning::{PlanningError, PlanningScene, Workspace};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::query::Query;
@@ -28,6 +28,16 @@ fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> us
         assert!(decided.is_none_or(|decided| decided == *verdict), "configuration {i}");
     }
     decided.iter().flatten().count()
+}
+
+/// A workspace serves all states of a scene, also after a configuration that is an error.
+fn in_one_workspace(scene: &PlanningScene, workspace: &mut Workspace, values: &[f64]) {
+    let mut wrong = values[..4 * 17].to_vec();
+    wrong[4 * 16] = 1e3;
+    assert!(scene.check_states(workspace, &wrong, &mut [false; 17]).is_err());
+    let mut free = vec![false; values.len() / 4];
+    scene.check_states(workspace, values, &mut free).unwrap();
+    assert_eq!(free, scene.free(values).unwrap());
 }
 
 /// 100,000 configurations, or as many as `SIMDOP_CONFIGURATIONS` says.
@@ -79,9 +89,10 @@ fn bounds_follow_the_scene() {
     let mut bounded = scene();
     bounded.use_bounds(CELL).unwrap();
     assert!(bounded.bound_bytes().is_some() && exact.bound_bytes().is_none());
-    let mut rng = Rng::new(23);
+    let (mut rng, mut workspace) = (Rng::new(23), bounded.workspace());
     let mut check = |exact: &PlanningScene, bounded: &PlanningScene| {
         let values = random(exact, &mut rng, 700);
+        in_one_workspace(bounded, &mut workspace, &values);
         compare(exact, bounded, &values)
     };
     let mut all = 0;

@@ -147,6 +147,8 @@ fn continuous_joints_wrap() {
     std::fs::write(&path, WHEEL).unwrap();
     let mut scene = PlanningScene::new(RobotFiles::new(&path).load().unwrap()).unwrap();
     std::fs::remove_file(&path).unwrap();
+    assert_eq!(scene.variable_names().collect::<Vec<_>>(), ["axle"]);
+    assert!(scene.is_continuous(0) && !scene.is_continuous(1));
     let _ = scene.insert("ahead", cube(0.1).fixed(), &at(1.0, 0.0, 0.0)).unwrap();
     let mut workspace = scene.workspace();
     for turns in [-7.0, -1.0, 0.0, 1.0, 5.0] {

@@ -1,6 +1,7 @@
 //! Paths: every motion of one is certified, and what is no plan is said.
 
 use super::{arm, at, scene};
+use crate::support::rng::Rng;
 use simdop::planning::{PlanSettings, PlannedPath, PlanningError, PlanningScene, RobotModel};
 use simdop::primitive::Shape;
 use simdop::robot::RobotError;
@@ -38,6 +39,39 @@ fn a_path_leads_around_a_post_by_certified_motions() {
             length += (0..4).map(|i| (ends[1][i] - ends[0][i]).powi(2)).sum::<f64>().sqrt();
         }
         assert!((found.length - length).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn free_shares_of_motions_are_certified() {
+    let scene = with_post();
+    let (mut workspace, mut rng, mut counts) = (scene.workspace(), Rng::new(8), [0; 3]);
+    let mut motions = Vec::new();
+    for _ in 0..200 {
+        let [from, to] = [(); 2].map(|()| scene.random(|| rng.range(0.0, 1.0)));
+        let mut is_free_to = |share: f64| {
+            let there = scene.between(&from, &to, share).unwrap();
+            scene.check_motion(&mut workspace, [&from, &there]).unwrap().is_free()
+        };
+        let share = scene.free_share(&mut scene.workspace(), [&from, &to]).unwrap();
+        if share == 1.0 {
+            counts[0] += 1;
+            assert!(is_free_to(1.0));
+        } else {
+            counts[if share == 0.0 { 1 } else { 2 }] += 1;
+            assert!(share == 0.0 || is_free_to(share), "{share}");
+            assert!(!is_free_to(share + 1.0 / 1024.0), "{share}");
+        }
+        motions.extend([from, to].concat());
+    }
+    assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
+    let (mut free, motions) = (vec![false; 200], &motions[..]);
+    scene.check_motions(&mut workspace, motions, &mut free).unwrap();
+    assert_eq!(free, scene.free_motions(motions).unwrap());
+    assert_eq!(free.iter().filter(|free| **free).count(), counts[0]);
+    for wrong in [&mut free[..199], &mut []] {
+        let error = scene.check_motions(&mut workspace, motions, wrong).unwrap_err();
+        assert!(matches!(error, PlanningError::Values { given: 1600, variables: 8 }), "{error}");
     }
 }
 

@@ -127,7 +127,8 @@ fn gradients_are_those_of_differences() {
         let values = scene.random(|| rng.range(0.05, 0.95));
         let found = scene.clearance(&mut workspace, &values, 0.0, 10.0).unwrap();
         let Some(witness) = found.witness.filter(|_| found.upper > 1e-3) else { continue };
-        let gradient = scene.clearance_gradient(&mut workspace, &witness).unwrap();
+        let mut gradient = vec![7.0; scene.variables()];
+        scene.clearance_gradient(&mut workspace, &witness, &mut gradient).unwrap();
         for (variable, slope) in gradient.iter().enumerate() {
             let mut at = |step: f64| {
                 let mut moved = values.clone();

@@ -8,7 +8,7 @@ use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::primitive::{Shape, Sphere};
-use simdop::query::{Query, ToleranceError, Verdict};
+use simdop::query::{Completion, Pair, Query, ToleranceError, Verdict};
 use simdop::scene::{BodyTree, SceneError, SharedTree};
 
 type Node = Node16<18>;
@@ -77,6 +77,54 @@ fn bodies_of_every_kind_answer_by_their_ends() {
             assert!(!deep.is_free() || !both_have_points, "{i} {j}");
         }
     }
+}
+
+fn pairs(query: &Query, a: &Tree, b: &Tree, pose: &Pose) -> Vec<[u32; 2]> {
+    let mut found = Vec::new();
+    let (completion, _) = a
+        .for_each_pair(query, b, pose, |Pair { a, b }| {
+            found.push([a, b]);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert_eq!(completion, Completion::Complete);
+    found.sort_unstable();
+    found
+}
+
+/// The primitives that meet are those at the ends: of the cube, both triangles of the face. Points meet a surface only
+/// where they lie on it.
+#[test]
+fn pairs_of_primitives_are_those_at_the_ends() {
+    let (query, models) = (Query::new(Isa::detect()), models());
+    let cube = OwnedMesh::cuboid([2.0; 3]).unwrap();
+    let face = |x: f64| {
+        let is_of_face =
+            |triangle: &&[u32; 3]| triangle.iter().all(|&corner| cube.vertices[corner as usize][0] == x);
+        let all = cube.triangles.iter().enumerate().filter(|(_, triangle)| is_of_face(triangle));
+        all.map(|(i, _)| i as u32).collect::<Vec<_>>()
+    };
+    for (i, a) in models.iter().enumerate() {
+        for (j, b) in models.iter().enumerate().filter(|(j, _)| !matches!((i, *j), (0, 0) | (4, 4))) {
+            let of_a = a.ends.map_or_else(|| face(-1.0), |[left, _]| vec![left]);
+            let of_b = b.ends.map_or_else(|| face(1.0), |[_, right]| vec![right]);
+            let mut expected: Vec<_> = of_a.iter().flat_map(|a| of_b.iter().map(|b| [*a, *b])).collect();
+            expected.sort_unstable();
+            let is_on_surface = matches!((i, j), (0, 4) | (4, 0));
+            let pose = placed(if is_on_surface { 2.0 } else { 1.9 });
+            assert_eq!(pairs(&query, &a.tree, &b.tree, &pose), expected, "{i} {j}");
+            assert_eq!(pairs(&query, &a.tree, &b.tree, &placed(2.5)), [[0; 2]; 0], "{i} {j}");
+            let (mut count, stop) = (0, |count: &mut u32| {
+                *count += 1;
+                ControlFlow::Break(())
+            });
+            let ended = a.tree.for_each_pair(&query, &b.tree, &pose, |_| stop(&mut count)).unwrap();
+            assert_eq!((ended.0, count), (Completion::Stopped, 1), "{i} {j}");
+        }
+    }
+    let cloud = &models[4].tree;
+    let clouds = cloud.for_each_pair(&query, cloud, &placed(0.0), |_| ControlFlow::Continue(()));
+    assert!(matches!(clouds, Err(SceneError::TwoClouds { .. })));
 }
 
 #[test]

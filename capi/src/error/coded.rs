@@ -203,6 +203,8 @@ impl Coded for PlanningError {
             Self::NoGroup { .. } => simdop_error::PlannerNoGroup,
             Self::IsRobot { .. } => simdop_error::PlannerIsRobot,
             Self::Values { .. } => simdop_error::MotionLength,
+            Self::Step { .. } => simdop_error::PlannerStep,
+            Self::Cell { .. } => simdop_error::PlannerCell,
             Self::Scene(error) => error.code(),
             _ => simdop_error::Other,
         }

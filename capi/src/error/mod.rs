@@ -98,8 +98,6 @@ pub enum simdop_error {
     ShapeNoSuchKind = 55,
     /// A body of one shape has no bytes: use simdop_body_build_shapes(), which builds a tree.
     ShapeNoBytes = 56,
-    /// For the pairs of a tree and one shape, the shape must be the first body.
-    ShapeOrder = 57,
 
     /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
     Tolerance = 60,
@@ -109,7 +107,7 @@ pub enum simdop_error {
     NotSpheres = 62,
     /// A buffer of the caller is too small.
     Buffer = 63,
-    /// The bodies of a query of depths or contacts are not both of triangles.
+    /// The bodies of a query of contacts are not both of triangles.
     NotMeshes = 64,
 
     /// The body is not, or no longer, in the scene.
@@ -202,9 +200,13 @@ pub enum simdop_error {
     PlannerNoGroup = 143,
     /// A body of the robot was given where only an object can be.
     PlannerIsRobot = 144,
+    /// The step of a plan is not positive.
+    PlannerStep = 145,
+    /// The width of a planner's cells is not positive and finite.
+    PlannerCell = 146,
 }
 
-const TEXTS: [(simdop_error, &CStr); 89] = [
+const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -249,7 +251,6 @@ const TEXTS: [(simdop_error, &CStr); 89] = [
     (simdop_error::ShapeNotPerpendicular, c"a pose skews a cuboid"),
     (simdop_error::ShapeNoSuchKind, c"a shape's kind is not one of simdop_shape_kind"),
     (simdop_error::ShapeNoBytes, c"a body of one shape has no bytes"),
-    (simdop_error::ShapeOrder, c"of a tree and one shape, the shape must be the first body"),
     (
         simdop_error::Tolerance,
         c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution is not positive",
@@ -257,7 +258,7 @@ const TEXTS: [(simdop_error, &CStr); 89] = [
     (simdop_error::OtherStorage, c"the storage of a body differs from that of another"),
     (simdop_error::NotSpheres, c"the bodies of a volume query are not both of spheres"),
     (simdop_error::Buffer, c"a buffer of the caller is too small"),
-    (simdop_error::NotMeshes, c"the bodies of a query of depths or contacts are not both of triangles"),
+    (simdop_error::NotMeshes, c"the bodies of a query of contacts are not both of triangles"),
     (simdop_error::SceneNoSuchBody, c"the body is not, or no longer, in the scene"),
     (simdop_error::SceneRadius, c"a body's radius is negative, NaN or too large"),
     (simdop_error::SceneIsAttached, c"the body is attached to another"),
@@ -306,6 +307,8 @@ const TEXTS: [(simdop_error, &CStr); 89] = [
     (simdop_error::PlannerNoLink, c"the robot has no link of this name with a body"),
     (simdop_error::PlannerNoGroup, c"the robot has no group of joints of this name"),
     (simdop_error::PlannerIsRobot, c"a body of the robot was given where only an object can be"),
+    (simdop_error::PlannerStep, c"the step of a plan is not positive"),
+    (simdop_error::PlannerCell, c"the width of a planner's cells is not positive and finite"),
 ];
 
 /// A short description of an error code, valid forever. If `code` is not an error code, the text says so.

@@ -5,7 +5,7 @@ use crate::boundary::{answered, given, items, places};
 use crate::error::simdop_error;
 use crate::query::query;
 use crate::robot::simdop_robot;
-use simdop::scene::{BodyId, PairClass};
+use simdop::scene::{BodyId, PairClass, PairReport};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
 
@@ -72,22 +72,31 @@ pub unsafe extern "C" fn simdop_scene_classify_pair(
         let found = with_scene!(scene, |scene| {
             scene.classify_pair(&query(u64::MAX), &moving, kinematics, pair, boxes)
         })?;
-        let copy = |values: Option<Vec<f64>>, places: &mut [MaybeUninit<f64>]| {
-            for (place, value) in places.iter_mut().zip(values.iter().flatten()) {
-                place.write(*value);
-            }
-            c_int::from(values.is_some())
-        };
-        Ok(simdop_pair_report {
-            pair_class: match found.fate {
-                PairClass::Never => simdop_pair_class::Never,
-                PairClass::Always => simdop_pair_class::Always,
-                PairClass::Sometimes => simdop_pair_class::Sometimes,
-                PairClass::Undecided => simdop_pair_class::Undecided,
-            },
-            has_meeting: copy(found.meeting, meeting),
-            has_free: copy(found.free, free),
-            boxes: found.boxes,
-        })
+        Ok(report_of(found, meeting, free))
     })
+}
+
+/// Writes the values that were found.
+pub(crate) fn report_of(
+    found: PairReport,
+    meeting: &mut [MaybeUninit<f64>],
+    free: &mut [MaybeUninit<f64>],
+) -> simdop_pair_report {
+    let copy = |values: Option<Vec<f64>>, places: &mut [MaybeUninit<f64>]| {
+        for (place, value) in places.iter_mut().zip(values.iter().flatten()) {
+            place.write(*value);
+        }
+        c_int::from(values.is_some())
+    };
+    simdop_pair_report {
+        pair_class: match found.fate {
+            PairClass::Never => simdop_pair_class::Never,
+            PairClass::Always => simdop_pair_class::Always,
+            PairClass::Sometimes => simdop_pair_class::Sometimes,
+            PairClass::Undecided => simdop_pair_class::Undecided,
+        },
+        has_meeting: copy(found.meeting, meeting),
+        has_free: copy(found.free, free),
+        boxes: found.boxes,
+    }
 }

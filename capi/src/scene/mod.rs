@@ -10,6 +10,8 @@ pub use ask::{
     simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_each_hit, simdop_scene_hit,
     simdop_scene_hits, simdop_scene_signed_answer, simdop_scene_signed_clearance, simdop_scene_within,
 };
+#[cfg(feature = "planning")]
+pub(crate) use classify::report_of;
 pub use classify::{simdop_pair_class, simdop_pair_report, simdop_scene_classify_pair};
 pub use edge::{
     SIMDOP_EDGE_ROOM, simdop_motion_answer, simdop_motion_verdict, simdop_scene_check_joint_motion,

@@ -114,6 +114,13 @@ void two_bodies() {
     }
     EXPECT(is_thrown);
 
+    EXPECT(is_near(must(simdop::depth_along(ball, ball, simdop::translation(0.25, 0, 0), {1, 0, 0})), 0.75));
+    int of_ball = 0;
+    (void)must(simdop::each_pair(solid, ball, simdop::identity(), [&](const simdop_pair &pair) {
+        of_ball += pair.b == 0 ? 1 : 100;
+    }));
+    EXPECT(of_ball == 3);
+
     const std::vector<simdop::sphere> unit = {{0, 0, 0, 1}};
     const simdop::body spheres = must(simdop::body::spheres(unit));
     const auto shared = must(simdop::penetration(spheres, spheres, simdop::translation(1, 0, 0)));
@@ -340,6 +347,78 @@ void descriptions() {
 #endif
 
 #ifdef SIMDOP_PLANNING
+/* Around the post there is a path, whose motions are free, and whose share of the straight one is. */
+void paths(const simdop::planner &planner, const std::array<double, 4> &start, const std::array<double, 4> &goal,
+           simdop::body_id post) {
+    auto workspace = must(planner.make_workspace());
+    const std::vector<double> path = must(planner.plan(workspace, start, goal));
+    EXPECT(path.size() >= 12 && path.size() % 4 == 0);
+    std::vector<double> ends;
+    for (std::size_t i = 0; i + 4 < path.size(); i += 4) {
+        ends.insert(ends.end(), path.begin() + static_cast<std::ptrdiff_t>(i),
+                    path.begin() + static_cast<std::ptrdiff_t>(i + 8));
+    }
+    std::vector<std::uint8_t> free(path.size() / 4 - 1);
+    EXPECT(must(planner.check_motions(workspace, ends, free)) == free.size());
+    simdop_plan_settings settings = simdop_plan_settings_default();
+    settings.configurations = 0;
+    EXPECT(must(planner.plan(workspace, start, goal, settings)).empty());
+    settings.step = 0;
+    EXPECT(code_of([&] { return planner.plan(workspace, start, goal, settings); }) == SIMDOP_ERROR_PLANNER_STEP);
+
+    const double share = must(planner.free_share(workspace, start, goal));
+    EXPECT(share > 0 && share < 1);
+    std::array<double, 4> there = start;
+    there[0] += share * (goal[0] - start[0]);
+    EXPECT(must(planner.check_motion(workspace, start, there)).verdict == SIMDOP_MOTION_VERDICT_FREE);
+    EXPECT(must(planner.check_motion_discrete(workspace, start, goal, 1)).verdict != SIMDOP_MOTION_VERDICT_HIT);
+    EXPECT(must(planner.check_motion_discrete(workspace, start, goal, 100)).verdict == SIMDOP_MOTION_VERDICT_HIT);
+
+    const std::array<double, 4> amid = {0, 1.2, 0.3, 0};
+    int hits = 0;
+    (void)must(planner.each_hit(workspace, amid, 0, [&](const simdop_scene_hit &hit) {
+        hits += hit.a == post || hit.b == post;
+    }));
+    EXPECT(hits > 0);
+    std::array<double, 4> gradient{}, signed_gradient{};
+    const auto near = must(planner.clearance(workspace, there));
+    DO(planner.clearance_gradient(workspace, near, gradient));
+    (void)must(planner.signed_clearance(workspace, there, signed_gradient));
+    for (std::size_t i = 0; i < 4; i++) {
+        EXPECT(std::fabs(gradient[i] - signed_gradient[i]) < 1e-6);
+    }
+    EXPECT(must(planner.to_world(workspace, post, {0, 0, 0}))[0] == 0.45);
+
+    std::array<double, 4> meeting{}, apart{};
+    const simdop::body_id hand = must(planner.link("hand"));
+    const auto report = must(planner.classify_pair(workspace, hand, post, 1000, meeting, apart));
+    EXPECT(report.pair_class == SIMDOP_PAIR_CLASS_SOMETIMES && report.has_meeting && report.has_free);
+    EXPECT(must(planner.within(workspace, meeting)).verdict == SIMDOP_VERDICT_HIT);
+
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const std::vector<double> drawn = must(planner.random_free(workspace, [&] { return unit(random); }, 1000));
+    EXPECT(drawn.size() == 4 && must(planner.within(workspace, drawn)).verdict == SIMDOP_VERDICT_FREE);
+    EXPECT(must(planner.random_free(workspace, [] { return 0.5; }, 0)).empty());
+    bool is_thrown = false;
+    try {
+        (void)planner.random_free(workspace, []() -> double { throw 7; }, 10);
+    } catch (int) {
+        is_thrown = true;
+    }
+    EXPECT(is_thrown);
+
+    simdop::planner bounded = must(planner.copy());
+    DO(bounded.use_bounds(0.05));
+    EXPECT(bounded.bound_bytes() > 0);
+    std::array<std::uint8_t, 1> is_free{};
+    EXPECT(must(bounded.check_states(workspace, amid, is_free)) == 0);
+    DO(bounded.set_budget(0));
+    EXPECT(must(bounded.within(workspace, amid)).verdict != SIMDOP_VERDICT_FREE);
+    DO(bounded.set_resolution(-1));
+    EXPECT(code_of([&] { return bounded.check_motion(workspace, start, there); }) == SIMDOP_ERROR_TOLERANCE);
+}
+
 /* The arm of the examples passes a post. */
 void planners(const char *urdf, const char *srdf) {
     simdop::planner planner = must(simdop::planner::load(urdf, srdf));
@@ -372,6 +451,14 @@ void planners(const char *urdf, const char *srdf) {
         EXPECT(wrong[thread] == 0);
     }
     EXPECT(code_of([] { return simdop::planner::load("/nonexistent.urdf"); }) == SIMDOP_ERROR_PLANNER_FILE);
+    paths(copy, before, after, post);
+
+    simdop::planner grouped = must(copy.copy());
+    const std::vector<std::string> groups = must(grouped.groups());
+    EXPECT(groups.size() == 1 && groups[0] == "reach" && std::string(must(grouped.variable(0)).name) == "waist");
+    DO(grouped.select_group(groups[0], before));
+    EXPECT(grouped.variables() == 3 && std::string(must(grouped.variable(0)).name) == "shoulder");
+    EXPECT(code_of([&] { return grouped.variable(99); }) == SIMDOP_ERROR_DESCRIPTION_INDEX);
 }
 #endif
 

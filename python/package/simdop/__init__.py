@@ -4,7 +4,7 @@ A ``Body`` is a mesh, shapes, spheres or points, with the tree over them. A pose
 the frame of body B; an array of n poses, (n, 4, 4), is answered in one call, without the interpreter's lock. ``Scene``
 holds many bodies at poses in the world, and ``RangeSearch`` finds neighbours among points.
 
-``simdop.plot`` draws bodies, scenes and paths.
+``simdop.plot`` and ``simdop.view`` show bodies, scenes and paths, and ``simdop.ompl`` plans by OMPL.
 ``simdop.trimesh`` replaces trimesh's ``CollisionManager``, and ``simdop.fcl`` the module of python-fcl.
 """
 

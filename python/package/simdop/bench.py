@@ -7,14 +7,17 @@ of its answers differ from simdop's. Poses that are closer to contact than 1e-9 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import importlib
 import statistics
+import subprocess
 import sys
 import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import Body, RangeSearch, isa
 from ._arrays import Floats, Triangles
@@ -48,13 +51,15 @@ def _poses(count: int) -> Floats:
     return random_poses(count, 1.6, 2.3, 1)
 
 
-def _time(work: Callable[[], Any], repeats: int = 5) -> tuple[float, Any]:
+def _time(
+    work: Callable[[], Any], repeats: int = 5, clock: Callable[[], float] = time.perf_counter
+) -> tuple[float, Any]:
     """The median time of a call, in seconds, and its result."""
     times, result = [], None
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = clock()
         result = work()
-        times.append(time.perf_counter() - start)
+        times.append(clock() - start)
     return statistics.median(times), result
 
 
@@ -156,17 +161,83 @@ def points(count: int) -> None:
     print(f"| SciPy cKDTree  | {spent * 1e3:15.1f} | {near * 1e3:9.1f} |")
 
 
+class _Queries:
+    """Verdicts by the C library, ``libsimdop_capi.so``: what an array of poses costs without Python."""
+
+    def __init__(self, path: str, body: Body) -> None:
+        self._library = ctypes.CDLL(path)
+        data = np.frombuffer(body.to_bytes(), np.uint8)
+        room = np.empty(len(data) + 64, np.uint8)
+        # Trees are aligned to 64 bytes.
+        self._bytes = room[-room.ctypes.data % 64 :][: len(data)]
+        self._bytes[:] = data
+        self._body = ctypes.c_void_p()
+        first, count = ctypes.c_void_p(self._bytes.ctypes.data), ctypes.c_size_t(len(data))
+        code = self._library.simdop_body_open(first, count, ctypes.byref(self._body))
+        if code != 0:
+            raise OSError(f"{path} cannot open the tree: error {code}")
+
+    def collide(self, poses: Floats) -> NDArray[np.bool_]:
+        """Whether the mesh meets a copy of itself at each of n poses, (n, 3, 4)."""
+        # The verdict is the first of 72 bytes.
+        answers = np.empty((len(poses), 72), np.uint8)
+        no_budget = ctypes.c_uint64(2**64 - 1)
+        arrays = ctypes.c_void_p(poses.ctypes.data), ctypes.c_void_p(answers.ctypes.data)
+        code = self._library.simdop_collide_at_poses(
+            self._body, self._body, arrays[0], ctypes.c_size_t(len(poses)), no_budget, arrays[1]
+        )
+        if code != 0:
+            raise OSError(f"the poses cannot be tested: error {code}")
+        return np.equal(answers[:, 0], 1)
+
+
+def _import_time() -> float:
+    """Seconds that ``import simdop`` takes after numpy, in a new interpreter: the least of five."""
+    program = "import numpy, time; t = time.perf_counter(); import simdop; print(time.perf_counter() - t)"
+    runs = [subprocess.run([sys.executable, "-c", program], capture_output=True, check=True) for _ in range(5)]
+    return min(float(run.stdout) for run in runs)
+
+
+def interpreter(rows: int, count: int, library: str) -> None:
+    """Print what Python adds: to a call, to an array of poses, and to the start of a program.
+
+    Times of queries are of the processor, since the machine may be busy.
+    """
+    mesh, poses = _uneven(rows), _poses(count)
+    body = Body(*mesh)
+    queries = _Queries(library, body)
+    matrices = np.ascontiguousarray(poses[:, :3, :])
+    ratios, arrays, calls = [], [], []
+    for _ in range(15):
+        spent_c, found_c = _time(lambda: queries.collide(matrices), 1, time.process_time)
+        spent, found = _time(lambda: body.collide(body, poses), 1, time.process_time)
+        spent_each, _ = _time(lambda: [body.collide(body, pose) for pose in poses], 1, time.process_time)
+        if not (found == found_c).all():
+            raise AssertionError("verdicts of Python and C differ")
+        ratios.append(spent / spent_c)
+        arrays.append((spent - spent_c) / count * 1e6)
+        calls.append((spent_each - spent_c) / count * 1e6)
+    ratio, more, call = map(statistics.median, (ratios, arrays, calls))
+    print(f"\n{count} poses of {len(mesh[1])} triangles, beside C: an array takes {ratio:.3f} times as long,")
+    print(f"{more:.3f} us more a pose; calls one by one {call:.2f} us more each.")
+    print(f"import simdop, after numpy: {_import_time() * 1e3:.1f} ms")
+
+
 def main() -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m simdop.bench", description=__doc__)
     parser.add_argument("--rows", type=int, default=40, help="the mesh has about 2 rows^2 triangles")
     parser.add_argument("--poses", type=int, default=1000)
     parser.add_argument("--points", type=int, default=20_000)
+    parser.add_argument("--library", help="libsimdop_capi.so: only what Python adds to the same queries in C")
     parser.add_argument("--agree", type=int, metavar="POSES", help="only compare answers of five meshes with Coal's")
     options = parser.parse_args()
     print(f"simdop on {isa}")
     if options.agree:
         sys.exit(1 if compare(options.agree) else 0)
+    if options.library:
+        interpreter(options.rows, options.poses, options.library)
+        return
     meshes(options.rows, options.poses)
     points(options.points)
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import Floats
 from ._simdop import Body, Contacts, Patch, PlanningScene, Scene
@@ -58,6 +58,48 @@ def _fit(ax: Any, points: Floats) -> None:
     ax.set_box_aspect((1, 1, 1))
 
 
+def _split(triangles: Floats, longest: float) -> tuple[Floats, NDArray[np.int64]]:
+    """Triangles cut in halves until none is longer, and of which each is a part; at most 64 parts of each."""
+    of = np.arange(len(triangles))
+    for _ in range(6):
+        edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
+        is_long = edges.max(axis=1, initial=0.0) > longest
+        if not is_long.any():
+            break
+        # The longest edge first.
+        turned = (edges[is_long].argmax(axis=1)[:, None] + np.arange(3)) % 3
+        p, q, r = np.take_along_axis(triangles[is_long], turned[:, :, None], axis=1).swapaxes(0, 1)
+        middle = 0.5 * (p + q)
+        halves = [np.stack([p, middle, r], axis=1), np.stack([middle, q, r], axis=1)]
+        triangles = np.concatenate([triangles[~is_long], *halves])
+        of = np.concatenate([of[~is_long], of[is_long], of[is_long]])
+    return triangles, of
+
+
+def _draw(ax: Any, bodies: Iterable[tuple[Body, Floats, Any, float]]) -> None:
+    """Draw bodies with their poses, colours and opacities, as one collection.
+
+    Matplotlib sorts the triangles of a collection by the depth of their middles, so they are small.
+    """
+    parts, colours, corners = [np.zeros((0, 3, 3))], [np.zeros((0, 4))], [np.zeros((0, 3))]
+    for body, pose, colour, alpha in bodies:
+        vertices, faces = body.mesh()
+        vertices = vertices @ pose[:3, :3].T + pose[:3, 3]
+        triangles = vertices[faces]
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+        parts.append(triangles)
+        colours.append(_rgba(colour, alpha, normals))
+        corners.append(vertices)
+    points = np.concatenate(corners)
+    if len(points) > 0:
+        small, of = _split(np.concatenate(parts), 0.1 * float(np.ptp(points, axis=0).max()))
+        art = _import("mpl_toolkits.mplot3d.art3d", "matplotlib")
+        ax.add_collection3d(art.Poly3DCollection(small, facecolors=np.concatenate(colours)[of], linewidths=0))
+    _fit(ax, points)
+
+
 def body(
     body: Body, pose: ArrayLike | None = None, *, ax: Any | None = None, color: Any = _COLOURS[0], alpha: float = 1.0
 ) -> Any:
@@ -66,25 +108,15 @@ def body(
     Raises ``ImportError`` without matplotlib.
     """
     ax = _axes_3d(ax)
-    matrix = np.eye(4) if pose is None else np.asarray(pose, float)
-    vertices, faces = body.mesh()
-    vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    if len(faces) > 0:
-        art = _import("mpl_toolkits.mplot3d.art3d", "matplotlib")
-        triangles = vertices[faces]
-        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-        ax.add_collection3d(art.Poly3DCollection(triangles, facecolors=_rgba(color, alpha, normals), linewidths=0))
-    _fit(ax, vertices)
+    _draw(ax, [(body, np.eye(4) if pose is None else np.asarray(pose, float), color, alpha)])
     return ax
 
 
 def scene(scene: Scene, *, ax: Any | None = None, alpha: float = 1.0) -> Any:
     """Draw all bodies of a scene, each in a colour. Returns the axes."""
     ax = _axes_3d(ax)
-    for i, number in enumerate(scene.numbers):
-        body(scene.body(number), scene.pose(number), ax=ax, color=_COLOURS[i % len(_COLOURS)], alpha=alpha)
+    numbers = enumerate(scene.numbers)
+    _draw(ax, [(scene.body(n), scene.pose(n), _COLOURS[i % len(_COLOURS)], alpha) for i, n in numbers])
     return ax
 
 
@@ -92,10 +124,11 @@ def planning(scene: PlanningScene, values: ArrayLike, *, ax: Any | None = None, 
     """Draw a robot at a configuration, (n,), and the objects around it. Bodies that meet are red. Returns the axes."""
     ax = _axes_3d(ax)
     meeting = {name for pair in scene.hits(values) for name in pair}
-    robot = len(scene.links)
+    robot, bodies = len(scene.links), []
     for i, (name, shape, pose) in enumerate(scene.placed(values)):
         usual = _COLOURS[0] if i < robot else _COLOURS[6]
-        body(shape, pose, ax=ax, color=_COLOURS[1] if name in meeting else usual, alpha=alpha)
+        bodies.append((shape, pose, _COLOURS[1] if name in meeting else usual, alpha))
+    _draw(ax, bodies)
     return ax
 
 
@@ -104,18 +137,18 @@ def path(scene: PlanningScene, configurations: ArrayLike, *, ax: Any | None = No
     ax = _axes_3d(ax)
     dense, _ = _dense(configurations, 64)
     robot, robots = len(scene.links), np.linspace(0, len(dense) - 1, shown).round().astype(int)
-    for _, shape, pose in scene.placed(dense[0])[robot:]:
-        body(shape, pose, ax=ax, color=_COLOURS[6])
+    bodies = [(shape, pose, _COLOURS[6], 1.0) for _, shape, pose in scene.placed(dense[0])[robot:]]
     for i in robots:
-        share = i / max(len(dense) - 1, 1)
-        for _, shape, pose in scene.placed(dense[i])[:robot]:
-            body(shape, pose, ax=ax, color=_COLOURS[0], alpha=0.25 + 0.75 * share)
+        alpha = 0.25 + 0.75 * float(i) / max(len(dense) - 1, 1)
+        bodies += [(shape, pose, _COLOURS[0], alpha) for _, shape, pose in scene.placed(dense[i])[:robot]]
+    _draw(ax, bodies)
     ends = []
     for values in dense:
         _, shape, pose = scene.placed(values)[robot - 1]
         vertices = shape.mesh(8)[0]
         ends.append(pose[:3, :3] @ vertices.mean(0) + pose[:3, 3])
-    ax.plot(*np.array(ends).T, color=_COLOURS[5], linewidth=2)
+    # Above the bodies, which would hide it even where it is before them.
+    ax.plot(*np.array(ends).T, color=_COLOURS[5], linewidth=2, zorder=1000)
     return ax
 
 

@@ -1,22 +1,46 @@
 //! A robot among objects, asked by the values of its joints (feature `planning`).
 
+mod ask;
+mod plan;
+
+pub use ask::{
+    simdop_planner_check_motion, simdop_planner_check_motion_discrete, simdop_planner_check_motions,
+    simdop_planner_check_states, simdop_planner_classify_pair, simdop_planner_clearance,
+    simdop_planner_clearance_gradient, simdop_planner_each_hit, simdop_planner_free_share,
+    simdop_planner_signed_clearance, simdop_planner_to_world, simdop_planner_within,
+};
+pub use plan::{
+    simdop_plan_settings, simdop_plan_settings_default, simdop_planned_path, simdop_planner_plan,
+    simdop_planner_random_free, simdop_random,
+};
+
 use crate::body::simdop_body;
-use crate::boundary::{answered, filled, given, guarded, items, make, places};
+use crate::boundary::{answered, given, guarded, items, make, places};
+use crate::description::{at, name, simdop_variable};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use crate::scene::{
-    simdop_body_id, simdop_motion_answer, simdop_role, simdop_scene_answer, simdop_scene_clearance_answer,
-    simdop_scene_signed_answer,
-};
+use crate::query::query;
+use crate::scene::{simdop_body_id, simdop_role};
 use simdop::planning::{PlanningScene, RobotFiles, Workspace};
 use simdop::scene::BodyId;
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
+use std::sync::Arc;
 
 /// A robot with its meshes, and the objects around it. Its bodies and objects share their trees with its copies.
 /// Queries take a workspace each, so that several threads may ask one planner at once.
 #[derive(Debug)]
-pub struct simdop_planner(PlanningScene);
+pub struct simdop_planner {
+    scene: PlanningScene,
+    names: Arc<Names>,
+}
+
+/// Names of the robot, for C.
+#[derive(Debug)]
+struct Names {
+    variables: Vec<CString>,
+    groups: Vec<CString>,
+}
 
 /// Memory for the queries of one thread. It serves a planner, its copies, and all later states of them. A query with a
 /// planner that has changed first copies its scene, and allocates.
@@ -57,7 +81,10 @@ pub unsafe extern "C" fn simdop_planner_load(
             // SAFETY: as above.
             files = files.srdf(unsafe { text(srdf, "srdf") }?);
         }
-        Ok(simdop_planner(PlanningScene::new(files.load()?)?))
+        let scene = PlanningScene::new(files.load()?)?;
+        let groups = scene.robot().groups().iter().map(|group| name(&group.name)).collect();
+        let variables = scene.variable_names().map(name).collect();
+        Ok(simdop_planner { scene, names: Arc::new(Names { variables, groups }) })
     })
 }
 
@@ -67,7 +94,10 @@ pub extern "C" fn simdop_planner_copy(
     planner: Option<&simdop_planner>,
     copy: Option<&mut MaybeUninit<Option<Box<simdop_planner>>>>,
 ) -> simdop_error {
-    make(copy, "copy", || Ok(simdop_planner(given(planner, "planner")?.0.clone())))
+    make(copy, "copy", || {
+        let simdop_planner { scene, names } = given(planner, "planner")?;
+        Ok(simdop_planner { scene: scene.clone(), names: Arc::clone(names) })
+    })
 }
 
 /// Destroys a planner. Does nothing for NULL.
@@ -82,7 +112,7 @@ pub extern "C" fn simdop_workspace_create(
     planner: Option<&simdop_planner>,
     workspace: Option<&mut MaybeUninit<Option<Box<simdop_workspace>>>>,
 ) -> simdop_error {
-    make(workspace, "workspace", || Ok(simdop_workspace(given(planner, "planner")?.0.workspace())))
+    make(workspace, "workspace", || Ok(simdop_workspace(given(planner, "planner")?.scene.workspace())))
 }
 
 /// Destroys a workspace. Does nothing for NULL.
@@ -97,7 +127,7 @@ pub extern "C" fn simdop_planner_variables(
     planner: Option<&simdop_planner>,
     count: Option<&mut MaybeUninit<usize>>,
 ) -> simdop_error {
-    answered(count, || Ok(given(planner, "planner")?.0.variables()))
+    answered(count, || Ok(given(planner, "planner")?.scene.variables()))
 }
 
 /// Writes the lower and the upper limit of each variable that is planned for: `limits` has room for twice their number.
@@ -110,7 +140,7 @@ pub unsafe extern "C" fn simdop_planner_limits(
     limits: *mut f64,
 ) -> simdop_error {
     guarded(|| {
-        let all = given(planner, "planner")?.0.limits();
+        let all = given(planner, "planner")?.scene.limits();
         // SAFETY: the caller guarantees the room; two numbers in a row are aligned as one.
         let limits: &mut [MaybeUninit<[f64; 2]>] = unsafe { places(limits.cast(), all.len(), "limits") }?;
         for (place, limits) in limits.iter_mut().zip(all) {
@@ -118,6 +148,44 @@ pub unsafe extern "C" fn simdop_planner_limits(
         }
         Ok(())
     })
+}
+
+/// Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
+/// long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
+/// of turns.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_get_variable(
+    planner: Option<&simdop_planner>,
+    index: usize,
+    variable: Option<&mut MaybeUninit<simdop_variable>>,
+) -> simdop_error {
+    answered(variable, || {
+        let simdop_planner { scene, names } = given(planner, "planner")?;
+        let [lower, upper] = *at(scene.limits(), index)?;
+        let planned = scene.variable_names().nth(index).unwrap_or_default();
+        let name = names.variables.iter().find(|name| name.to_bytes() == planned.as_bytes());
+        Ok(simdop_variable { name: name.map_or(c"".as_ptr(), |name| name.as_ptr()), lower, upper })
+    })
+}
+
+/// Writes the number of groups of joints of the SRDF file.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_groups(
+    planner: Option<&simdop_planner>,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> simdop_error {
+    answered(count, || Ok(given(planner, "planner")?.names.groups.len()))
+}
+
+/// Writes the name of the group of an index: see simdop_planner_select_group(). It is valid as long as the planner or a
+/// copy of it.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_get_group(
+    planner: Option<&simdop_planner>,
+    index: usize,
+    name: Option<&mut MaybeUninit<*const c_char>>,
+) -> simdop_error {
+    answered(name, || Ok(at(&given(planner, "planner")?.names.groups, index)?.as_ptr()))
 }
 
 /// Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
@@ -137,7 +205,7 @@ pub unsafe extern "C" fn simdop_planner_select_group(
         let name = unsafe { text(name, "name") }?;
         // SAFETY: the caller guarantees the length.
         let rest = unsafe { items(rest, count, "rest") }?;
-        Ok(given(planner, "planner")?.0.select_group(name, rest)?)
+        Ok(given(planner, "planner")?.scene.select_group(name, rest)?)
     })
 }
 
@@ -147,7 +215,55 @@ pub extern "C" fn simdop_planner_place_base(
     planner: Option<&mut simdop_planner>,
     world: Option<&simdop_pose>,
 ) -> simdop_error {
-    guarded(|| Ok(given(planner, "planner")?.0.place_base(&given(world, "world")?.checked()?)?))
+    guarded(|| Ok(given(planner, "planner")?.scene.place_base(&given(world, "world")?.checked()?)?))
+}
+
+/// Sets the length of the shortest interval of time that a motion is split into, 1e-6 at first: a motion that cannot be
+/// decided within it is unresolved. One that is NaN or not positive is an error of each motion.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_set_resolution(
+    planner: Option<&mut simdop_planner>,
+    resolution: f64,
+) -> simdop_error {
+    guarded(|| {
+        let planner = given(planner, "planner")?;
+        planner.scene = planner.scene.clone().with_resolution(resolution);
+        Ok(())
+    })
+}
+
+/// Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
+/// or not certainly free.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_set_budget(
+    planner: Option<&mut simdop_planner>,
+    budget: u64,
+) -> simdop_error {
+    guarded(|| {
+        let planner = given(planner, "planner")?;
+        planner.scene = planner.scene.clone().with_query(query(budget));
+        Ok(())
+    })
+}
+
+/// Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
+/// which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
+/// this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
+/// Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
+/// links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
+/// bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_use_bounds(planner: Option<&mut simdop_planner>, cell: f64) -> simdop_error {
+    guarded(|| Ok(given(planner, "planner")?.scene.use_bounds(cell)?))
+}
+
+/// Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 where the bounds do not apply.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_planner_bound_bytes(
+    planner: Option<&simdop_planner>,
+    bytes: Option<&mut MaybeUninit<usize>>,
+) -> simdop_error {
+    answered(bytes, || Ok(given(planner, "planner")?.scene.bound_bytes().unwrap_or(0)))
 }
 
 /// Adds an object: a body of fixed point or of one shape, which must exist as long as the planner, its copies and their
@@ -167,7 +283,7 @@ pub extern "C" fn simdop_planner_insert(
             let message = "a body of half floats beside a robot of fixed point: build it again";
             Failure::new(simdop_error::OtherStorage, message.into())
         })?;
-        Ok(planner.0.insert("", role.body(view), &world)?.to_bits())
+        Ok(planner.scene.insert("", role.body(view), &world)?.to_bits())
     })
 }
 
@@ -180,7 +296,7 @@ pub extern "C" fn simdop_planner_place(
 ) -> simdop_error {
     guarded(|| {
         let world = given(world, "world")?.checked()?;
-        Ok(given(planner, "planner")?.0.place(BodyId::from_bits(object), &world)?)
+        Ok(given(planner, "planner")?.scene.place(BodyId::from_bits(object), &world)?)
     })
 }
 
@@ -190,7 +306,7 @@ pub extern "C" fn simdop_planner_remove(
     planner: Option<&mut simdop_planner>,
     object: simdop_body_id,
 ) -> simdop_error {
-    guarded(|| Ok(given(planner, "planner")?.0.remove(BodyId::from_bits(object)).map(drop)?))
+    guarded(|| Ok(given(planner, "planner")?.scene.remove(BodyId::from_bits(object)).map(drop)?))
 }
 
 /// Writes the first body of a link of the robot.
@@ -206,7 +322,7 @@ pub unsafe extern "C" fn simdop_planner_link(
     answered(id, || {
         // SAFETY: the caller guarantees the NUL.
         let name = unsafe { text(name, "name") }?;
-        Ok(given(planner, "planner")?.0.link(name)?.to_bits())
+        Ok(given(planner, "planner")?.scene.link(name)?.to_bits())
     })
 }
 
@@ -228,7 +344,7 @@ pub unsafe extern "C" fn simdop_planner_attach(
         let link = unsafe { text(link, "link") }?;
         // SAFETY: the caller guarantees the length.
         let values = unsafe { items(values, count, "values") }?;
-        Ok(given(planner, "planner")?.0.attach(BodyId::from_bits(object), link, values, &[link])?)
+        Ok(given(planner, "planner")?.scene.attach(BodyId::from_bits(object), link, values, &[link])?)
     })
 }
 
@@ -241,7 +357,7 @@ pub extern "C" fn simdop_planner_detach(
 ) -> simdop_error {
     guarded(|| {
         let world = given(world, "world")?.checked()?;
-        Ok(given(planner, "planner")?.0.detach(BodyId::from_bits(object), &world)?)
+        Ok(given(planner, "planner")?.scene.detach(BodyId::from_bits(object), &world)?)
     })
 }
 
@@ -253,7 +369,7 @@ pub extern "C" fn simdop_planner_allow_collision(
     b: simdop_body_id,
 ) -> simdop_error {
     guarded(|| {
-        let planner = &mut given(planner, "planner")?.0;
+        let planner = &mut given(planner, "planner")?.scene;
         Ok(planner.allow_collision(BodyId::from_bits(a), BodyId::from_bits(b))?)
     })
 }
@@ -266,7 +382,7 @@ pub extern "C" fn simdop_planner_forbid_collision(
     b: simdop_body_id,
 ) -> simdop_error {
     guarded(|| {
-        let planner = &mut given(planner, "planner")?.0;
+        let planner = &mut given(planner, "planner")?.scene;
         Ok(planner.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b))?)
     })
 }
@@ -276,131 +392,5 @@ fn both<'p>(
     planner: Option<&'p simdop_planner>,
     workspace: Option<&'p mut simdop_workspace>,
 ) -> Result<(&'p PlanningScene, &'p mut Workspace), Failure> {
-    Ok((&given(planner, "planner")?.0, &mut given(workspace, "workspace")?.0))
-}
-
-/// Do two bodies come within `margin` of each other in a configuration? `values` has a number for each variable that is
-/// planned for. With the margin 0, it is free if none meet.
-///
-/// # Safety
-/// The array has this length.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_planner_within(
-    planner: Option<&simdop_planner>,
-    workspace: Option<&mut simdop_workspace>,
-    values: *const f64,
-    margin: f64,
-    answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
-) -> simdop_error {
-    answered(answer, || {
-        let (planner, workspace) = both(planner, workspace)?;
-        // SAFETY: the caller guarantees the length.
-        let values = unsafe { items(values, planner.variables(), "values") }?;
-        Ok(planner.within(workspace, values, margin)?.into())
-    })
-}
-
-/// Which of `state_count` configurations are free? `values` has a number for each variable that is planned for, for the
-/// first configuration, then for the second, and so on. `free` has room for a byte of each: 1 if it is certainly free,
-/// otherwise 0. Writes to `count` how many are.
-///
-/// # Safety
-/// The arrays have these lengths.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_planner_check_states(
-    planner: Option<&simdop_planner>,
-    workspace: Option<&mut simdop_workspace>,
-    values: *const f64,
-    state_count: usize,
-    free: *mut u8,
-    count: Option<&mut MaybeUninit<usize>>,
-) -> simdop_error {
-    answered(count, || {
-        let (planner, workspace) = both(planner, workspace)?;
-        let variables = planner.variables();
-        let all = variables.checked_mul(state_count);
-        let all = all.ok_or_else(|| Failure::new(simdop_error::TooLarge, "values".into()))?;
-        // SAFETY: the caller guarantees the length.
-        let values = unsafe { items(values, all, "values") }?;
-        // SAFETY: as above.
-        let free = filled(unsafe { places(free, state_count, "free") }?, 0);
-        let mut count = 0;
-        for (i, free) in free.iter_mut().enumerate() {
-            let of = |failure: Failure| failure.of(&format!("configuration {i}"));
-            let values = &values[i * variables..][..variables];
-            let is_free = planner.is_free(workspace, values).map_err(|error| of(error.into()))?;
-            *free = is_free.into();
-            count += usize::from(is_free);
-        }
-        Ok(count)
-    })
-}
-
-/// Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
-/// around. `from` and `to` have a number for each variable that is planned for.
-///
-/// # Safety
-/// The arrays have this length.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_planner_check_motion(
-    planner: Option<&simdop_planner>,
-    workspace: Option<&mut simdop_workspace>,
-    from: *const f64,
-    to: *const f64,
-    answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
-) -> simdop_error {
-    answered(answer, || {
-        let (planner, workspace) = both(planner, workspace)?;
-        // SAFETY: the caller guarantees the length.
-        let from = unsafe { items(from, planner.variables(), "from") }?;
-        // SAFETY: as above.
-        let to = unsafe { items(to, planner.variables(), "to") }?;
-        Ok(planner.check_motion(workspace, [from, to])?.into())
-    })
-}
-
-/// The least distance of two bodies in a configuration: like simdop_scene_clearance().
-///
-/// # Safety
-/// `values` has a number for each variable that is planned for.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_planner_clearance(
-    planner: Option<&simdop_planner>,
-    workspace: Option<&mut simdop_workspace>,
-    values: *const f64,
-    tolerance: f64,
-    cutoff: f64,
-    answer: Option<&mut MaybeUninit<simdop_scene_clearance_answer>>,
-) -> simdop_error {
-    answered(answer, || {
-        let (planner, workspace) = both(planner, workspace)?;
-        // SAFETY: the caller guarantees the length.
-        let values = unsafe { items(values, planner.variables(), "values") }?;
-        Ok(planner.clearance(workspace, values, tolerance, cutoff)?.into())
-    })
-}
-
-/// The least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(), and its derivative
-/// by each variable, which is written to `gradient`: of a distance, or where bodies meet, of `lower`.
-///
-/// # Safety
-/// `values` and `gradient` have a number for each variable that is planned for.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_planner_signed_clearance(
-    planner: Option<&simdop_planner>,
-    workspace: Option<&mut simdop_workspace>,
-    values: *const f64,
-    tolerance: f64,
-    cutoff: f64,
-    gradient: *mut f64,
-    answer: Option<&mut MaybeUninit<simdop_scene_signed_answer>>,
-) -> simdop_error {
-    answered(answer, || {
-        let (planner, workspace) = both(planner, workspace)?;
-        // SAFETY: the caller guarantees the length.
-        let values = unsafe { items(values, planner.variables(), "values") }?;
-        // SAFETY: as above.
-        let gradient = filled(unsafe { places(gradient, planner.variables(), "gradient") }?, 0.0);
-        Ok(planner.signed_clearance(workspace, values, tolerance, cutoff, gradient)?.into())
-    })
+    Ok((&given(planner, "planner")?.scene, &mut given(workspace, "workspace")?.0))
 }
