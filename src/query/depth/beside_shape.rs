@@ -4,7 +4,7 @@
 
 use super::bodies::{ROUGH, slack};
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{Effort, PosedPair, Seed, Shared, gap_of, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
@@ -93,8 +93,9 @@ where
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        effort: Effort,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         if !self.tree.is_solid() {
             return Ok((0.0, None));
@@ -102,8 +103,9 @@ where
         let (centre, _) = self.shape.ball();
         let back = difference(&self.tree.extent().frame.centre, t);
         let middle = core::array::from_fn(|i| 0.5 * (centre[i] + back[i]));
+        let wide = [centre, middle].map(|point| Some(point).filter(|_| effort == Effort::Wide));
         let mut best: Option<Shared> = None;
-        for point in [seed, Some(centre), Some(middle)].into_iter().flatten() {
+        for point in [seed.map(|seed| seed.point), wide[0], wide[1]].into_iter().flatten() {
             if let Some(found) = self.shared(&point, t, [true; 2])?
                 && best.is_none_or(|best| found.radius > best.radius)
             {

@@ -17,7 +17,7 @@
 
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{Effort, PosedPair, Seed, Shared, gap_of, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -55,21 +55,19 @@ where
         pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
     }
 
-    fn best_of(
+    fn better(
         &mut self,
-        seeds: [Option<Point>; 2],
+        best: Option<Shared>,
+        seed: &Point,
         pose: &Pose,
         t: &Point,
     ) -> Result<Option<Shared>, OutOfBudget> {
-        let mut best: Option<Shared> = None;
-        for point in seeds.into_iter().flatten() {
-            if let Some(found) = self.shared(&point, pose, t, [true; 2])?
-                && best.is_none_or(|best| found.radius > best.radius)
-            {
-                best = Some(found);
-            }
-        }
-        Ok(best)
+        let found = self.shared(seed, pose, t, [true; 2])?;
+        Ok(match (best, found) {
+            (Some(best), Some(found)) if found.radius > best.radius => Some(found),
+            (None, found) => found,
+            (best, _) => best,
+        })
     }
 
     /// The middle of what two spheres share, in A's frame.
@@ -139,16 +137,22 @@ where
         }))
     }
 
-    /// The middle of the primitives that meet, of at most [`MOST_PAIRS`], in A's frame.
-    fn middle_of_contact(&mut self, pose: &Pose) -> Result<Option<Point>, OutOfBudget> {
-        let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
+    /// The middles of the primitives that meet, of at most [`MOST_PAIRS`], and of their clusters, in A's frame.
+    fn middles_of_contacts(
+        &mut self,
+        pose: &Pose,
+    ) -> Result<[Option<Point>; MOST_CLUSTERS + 1], OutOfBudget> {
+        let mut clusters = Clusters::new();
+        let mut pairs = 0;
         let (a, b) = (self.a, self.b);
         let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
             let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
             for corner in P::corners(&moved).chain(Q::corners(&still)) {
                 sum = core::array::from_fn(|i| sum[i] + corner[i]);
                 count += 1.0;
             }
+            clusters.add(sum.map(|x| x / count));
             pairs += 1;
             if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
@@ -156,7 +160,79 @@ where
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);
         }
-        Ok((count > 0.0).then(|| self.in_a(&sum.map(|x| x / count), pose)))
+        Ok(clusters.middles().map(|middle| middle.map(|middle| self.in_a(&middle, pose))))
+    }
+}
+
+const MOST_CLUSTERS: usize = 4;
+
+/// Points that are near each other.
+#[derive(Copy, Clone)]
+struct Cluster {
+    first: Point,
+    sum: Point,
+    count: f64,
+}
+
+/// Points in groups of which the first points are far from each other.
+struct Clusters {
+    clusters: [Cluster; MOST_CLUSTERS],
+    len: usize,
+}
+
+impl Clusters {
+    const fn new() -> Self {
+        Self { clusters: [Cluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0 }; MOST_CLUSTERS], len: 0 }
+    }
+
+    fn add(&mut self, point: Point) {
+        let distance = |p: &Point| length(&difference(p, &point));
+        let new = Cluster { first: point, sum: point, count: 1.0 };
+        if self.len < MOST_CLUSTERS {
+            self.clusters[self.len] = new;
+            self.len += 1;
+            return;
+        }
+        let nearer = |i: usize, j: usize| {
+            if distance(&self.clusters[j].first) < distance(&self.clusters[i].first) { j } else { i }
+        };
+        let nearest = (1..MOST_CLUSTERS).fold(0, nearer);
+        let (mut closest, mut least) = ((0, 1), f64::INFINITY);
+        for j in 1..MOST_CLUSTERS {
+            for i in 0..j {
+                let apart = length(&difference(&self.clusters[i].first, &self.clusters[j].first));
+                if apart < least {
+                    (closest, least) = ((i, j), apart);
+                }
+            }
+        }
+        if distance(&self.clusters[nearest].first) > least {
+            let (i, j) = closest;
+            let Cluster { sum, count, .. } = self.clusters[j];
+            self.clusters[i].join(&sum, count);
+            self.clusters[j] = new;
+        } else {
+            self.clusters[nearest].join(&point, 1.0);
+        }
+    }
+
+    /// Of all, and of each.
+    fn middles(&self) -> [Option<Point>; MOST_CLUSTERS + 1] {
+        let mut middles = [None; MOST_CLUSTERS + 1];
+        let mut all = Cluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0 };
+        for (cluster, middle) in self.clusters[..self.len].iter().zip(&mut middles[1..]) {
+            all.join(&cluster.sum, cluster.count);
+            *middle = Some(cluster.sum.map(|x| x / cluster.count));
+        }
+        middles[0] = (all.count > 0.0).then(|| all.sum.map(|x| x / all.count));
+        middles
+    }
+}
+
+impl Cluster {
+    fn join(&mut self, sum: &Point, count: f64) {
+        self.sum = core::array::from_fn(|i| self.sum[i] + sum[i]);
+        self.count += count;
     }
 }
 
@@ -195,38 +271,54 @@ where
         1.01 * (a.radius + b.radius + apart + self.margin)
     }
 
-    /// Tries the packings, and then points on the way from the best of the seed and the place of the packings; without
-    /// these, from where the bodies are likely to overlap.
+    /// Tries the seed of the other translation; then the packings, and where the bodies are likely to overlap; and from
+    /// the best of these, points on the way to a better one.
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        effort: Effort,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
-        let (mut radius, mut of_packings) = (0.0, None);
-        if let Some(packings) = self.packings {
-            let budget = self.query.budget();
-            if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
-                let slack = slack(reach(self.a, self.b, self.pose), t);
-                radius = pair.depth - self.pose.skew() * pair.a.radius - slack;
-                of_packings = Some(self.middle_of_lens(&pair, &pose));
+        let (mut radius, mut best) = (0.0, None);
+        if let Some(Seed { point, translation }) = seed {
+            // Half as deep in either body as the other translation left it, at worst.
+            let back = turned_back(self.pose, &difference(&translation, t));
+            for share in [0.5, 0.0] {
+                let seed = core::array::from_fn(|i| point[i] + share * back[i]);
+                if best.is_none() {
+                    best = self.shared(&seed, &pose, t, [true; 2])?;
+                }
             }
         }
-        let mut best = self.best_of([seed, of_packings], &pose, t)?;
-        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
-            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
-            best = self.best_of(seeds, &pose, t)?;
+        if effort == Effort::Wide {
+            if let Some(packings) = self.packings {
+                let budget = self.query.budget();
+                if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
+                    let slack = slack(reach(self.a, self.b, self.pose), t);
+                    radius = pair.depth - self.pose.skew() * pair.a.radius - slack;
+                    best = self.better(best, &self.middle_of_lens(&pair, &pose), &pose, t)?;
+                }
+            }
+            if self.a.is_solid() && self.b.is_solid() {
+                for seed in self.middles_of_contacts(&pose)?.into_iter().flatten() {
+                    best = self.better(best, &seed, &pose, t)?;
+                }
+                if let Some(seed) = self.middle_of_boxes(&pose).filter(|_| best.is_none()) {
+                    best = self.better(best, &seed, &pose, t)?;
+                }
+            }
         }
         if let Some(start) = best {
             let turned = *self.pose;
-            let found = widened(
+            let widened = widened(
                 start,
                 steps,
                 |v| turned_back(&turned, v),
                 |point, is_unknown| self.shared(point, &pose, t, is_unknown),
             )?;
-            (radius, best) = (f64::max(radius, found.radius), Some(found));
+            (radius, best) = (f64::max(radius, widened.radius), Some(widened));
         }
         // Nor are they farther apart than the margin after a translation that is farther by that.
         let farther = if radius > 0.0 { self.margin } else { 0.0 };

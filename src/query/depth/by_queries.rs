@@ -3,7 +3,7 @@
 use super::beside_shape::translated;
 use super::bodies::{ROUGH, slack};
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of};
+use super::posed_pair::{Effort, PosedPair, Seed, Shared, gap_of, verdict_of};
 use super::search::interval;
 use super::way_out;
 use crate::frame::BodyBounds;
@@ -49,8 +49,9 @@ impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -
     fn forbidden(
         &mut self,
         _: &Point,
-        _: Option<Point>,
+        _: Option<Seed>,
         _: usize,
+        _: Effort,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         Ok((0.0, None))
     }

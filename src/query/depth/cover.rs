@@ -14,10 +14,10 @@
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
 use super::interval::OutOfBudget;
-use super::posed_pair::PosedPair;
+use super::posed_pair::{Effort, PosedPair, Seed};
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{difference, length, unit};
+use crate::vector::{difference, dot, length, unit};
 
 /// A triangle of directions.
 #[derive(Copy, Clone)]
@@ -25,23 +25,37 @@ struct DirectionPart {
     reach: f64,
     /// A one, the number of the face, and two bits for each level of the division.
     path: u32,
-    /// A point that was in both bodies after a translation in this direction, in A's frame.
-    seed: Option<Point>,
+}
+
+/// Translations nearer than the radius to the centre are forbidden.
+#[derive(Copy, Clone)]
+struct Neighbourhood {
+    centre: Point,
+    radius: f64,
+    /// A point that was in both bodies after the translation, in A's frame.
+    point: Option<Point>,
 }
 
 const MOST_PARTS: usize = 256;
 const MOST_LEVELS: u32 = 8;
-const MOST_STEPS: u32 = 1024;
+const MOST_STEPS: u32 = 2048;
+const MOST_BALLS: usize = 96;
 /// Points that are tried for each translation.
 const POINTS: usize = 4;
 /// A gain of less than this fraction of the reach ends the search.
 const GAIN: f64 = power_of_two(-8);
-/// Covers the roundings of directions and products, relative to a translation.
-const ROUNDING: f64 = power_of_two(-48);
+/// A part is not divided if at least this share of the way along its middle is forbidden in all of its directions.
+const WORTH: f64 = 0.4;
+/// How often the balls are gone through for the way through their union.
+const PASSES: usize = 4;
+/// Covers the roundings of directions, products and sums, relative to their terms.
+const ROUNDING: f64 = power_of_two(-47);
 
 pub(super) struct ForbiddenBall {
     parts: [DirectionPart; MOST_PARTS],
     len: usize,
+    balls: [Neighbourhood; MOST_BALLS],
+    ball_count: usize,
     steps: u32,
     /// Whether no step raises the bound any more.
     pub(super) is_final: bool,
@@ -49,13 +63,15 @@ pub(super) struct ForbiddenBall {
 
 impl ForbiddenBall {
     /// From the radius of the forbidden neighbourhood of no translation.
-    pub(super) fn new(radius: f64, seed: Option<Point>) -> Self {
+    pub(super) fn new(radius: f64, point: Option<Point>) -> Self {
         let reach = f64::max(radius, 0.0);
-        let mut parts = [DirectionPart { reach, path: 0, seed }; MOST_PARTS];
+        let first = Neighbourhood { centre: [0.0; 3], radius, point };
+        let mut parts = [DirectionPart { reach, path: 0 }; MOST_PARTS];
         for (part, path) in parts.iter_mut().zip(8..16) {
             part.path = path;
         }
-        Self { parts, len: 8, steps: 0, is_final: reach <= 0.0 }
+        let balls = [first; MOST_BALLS];
+        Self { parts, len: 8, balls, ball_count: 1, steps: 0, is_final: reach <= 0.0 }
     }
 
     fn least(&self) -> usize {
@@ -76,42 +92,118 @@ impl ForbiddenBall {
         middle(&corners(self.parts[self.least()].path))
     }
 
+    /// How far a direction is forbidden.
+    pub(super) fn along(&self, direction: &Point) -> f64 {
+        let lower = self.lower();
+        unit(direction).map_or(lower, |along| self.exit(&[along], lower))
+    }
+
     /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
     pub(super) fn step(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         let at = self.least();
-        let DirectionPart { reach, path, seed } = self.parts[at];
+        let DirectionPart { reach, path } = self.parts[at];
         let corners = corners(path);
         let Some(along) = middle(&corners).filter(|_| self.steps < MOST_STEPS) else {
             self.is_final = true;
             return Ok(());
         };
-        let (radius, shared) = bodies.forbidden(&along.map(|x| x * reach), seed, POINTS)?;
-        self.steps += 1;
-        let width =
-            corners.iter().fold(0.0, |width, corner| f64::max(width, length(&difference(corner, &along))));
-        let spread = reach * (width + ROUNDING);
-        let part = &mut self.parts[at];
-        part.reach = f64::max(reach, (reach + (radius - spread)) * (1.0 - f64::EPSILON));
-        part.seed = shared.map_or(seed, |shared| Some(shared.point));
-        if radius <= GAIN * reach {
-            self.is_final = true;
-        } else if spread > 0.5 * radius {
-            self.divide(at);
+        let (all, ray) = (self.exit(&corners, reach), self.exit(&[along], reach));
+        if ray > reach * (1.0 + GAIN) {
+            self.steps += 1;
+            if all - reach >= WORTH * (ray - reach) || !self.divide(at) {
+                self.is_final = all <= reach;
+                self.parts[at].reach = all;
+            }
+            return Ok(());
         }
+        let t = along.map(|x| x * reach);
+        for effort in [Effort::Near, Effort::Wide] {
+            let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, effort)?;
+            self.add(Neighbourhood { centre: t, radius, point: shared.map(|shared| shared.point) });
+            if radius > GAIN * reach {
+                self.steps += 1;
+                return Ok(());
+            }
+        }
+        self.is_final = true;
         Ok(())
     }
 
-    fn divide(&mut self, at: usize) {
+    /// How far all translations in the directions between the corners are forbidden, given that those shorter than
+    /// `reach` are.
+    fn exit(&self, corners: &[Point], mut reach: f64) -> f64 {
+        for _ in 0..PASSES {
+            let before = reach;
+            for ball in &self.balls[..self.ball_count] {
+                reach = f64::max(reach, ball.exit(corners, reach));
+            }
+            if reach <= before {
+                break;
+            }
+        }
+        reach
+    }
+
+    /// The point of the ball that is the nearest to contain a translation.
+    fn nearest(&self, t: &Point) -> Option<Seed> {
+        let mut nearest = (f64::NEG_INFINITY, None);
+        for Neighbourhood { centre, radius, point } in &self.balls[..self.ball_count] {
+            let inside = radius - length(&difference(centre, t));
+            if let Some(point) = *point
+                && inside > nearest.0
+            {
+                nearest = (inside, Some(Seed { point, translation: *centre }));
+            }
+        }
+        nearest.1
+    }
+
+    /// Of too many balls, the smallest is dropped.
+    fn add(&mut self, ball: Neighbourhood) {
+        if ball.radius <= 0.0 {
+            return;
+        }
+        let at = if self.ball_count < MOST_BALLS {
+            self.ball_count += 1;
+            self.ball_count - 1
+        } else {
+            let smaller =
+                |i: usize, j: usize| if self.balls[j].radius < self.balls[i].radius { j } else { i };
+            (1..MOST_BALLS).fold(0, smaller)
+        };
+        self.balls[at] = ball;
+    }
+
+    /// Whether there is room for that.
+    fn divide(&mut self, at: usize) -> bool {
         let part = self.parts[at];
         if self.len + 3 > MOST_PARTS || part.path.ilog2() >= 3 + 2 * MOST_LEVELS {
-            self.is_final = true;
-            return;
+            return false;
         }
         self.parts[at].path = part.path << 2;
         for child in 1..4 {
             self.parts[self.len] = DirectionPart { path: part.path << 2 | child, ..part };
             self.len += 1;
         }
+        true
+    }
+}
+
+impl Neighbourhood {
+    /// How far the ball forbids all translations in the directions between the corners, if it forbids those that are as
+    /// long as `reach`; else 0.
+    fn exit(&self, corners: &[Point], reach: f64) -> f64 {
+        let square = dot(&self.centre, &self.centre);
+        let far = libm::sqrt(square);
+        let least = corners.iter().fold(far, |least, corner| f64::min(least, dot(corner, &self.centre)));
+        let least = if least > 0.0 { least } else { -far } - ROUNDING * far;
+        let radius_square = self.radius * self.radius;
+        let under = (least * least - square) + radius_square - ROUNDING * (square + radius_square);
+        if under <= 0.0 {
+            return 0.0;
+        }
+        let (half, slack) = (libm::sqrt(under), ROUNDING * (far + self.radius));
+        if (least - half) + slack < reach { (least + half) - slack } else { 0.0 }
     }
 }
 

@@ -19,6 +19,22 @@ pub(super) struct Shared {
     pub(super) radii: [f64; 2],
 }
 
+/// Where points in both bodies are sought.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Effort {
+    /// Near one that is known after another translation.
+    Near,
+    /// Wherever they may be.
+    Wide,
+}
+
+/// A point that is in both bodies after another translation, in A's frame.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Seed {
+    pub(super) point: Point,
+    pub(super) translation: Point,
+}
+
 /// Two bodies, and what is known after a translation of the first.
 pub(super) trait PosedPair {
     /// Whether the bodies are free, by the exact query.
@@ -32,12 +48,13 @@ pub(super) trait PosedPair {
     fn far(&self) -> f64;
 
     /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from the
-    /// best that is known, or from the seed. The radius is 0 or less if nothing is known to be forbidden.
+    /// best that is known. The radius is 0 or less if nothing is known to be forbidden.
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        effort: Effort,
     ) -> Result<(f64, Option<Shared>), OutOfBudget>;
 
     /// A direction in which the bodies are likely to leave each other.

@@ -2,7 +2,7 @@
 
 use super::cover::ForbiddenBall;
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::PosedPair;
+use super::posed_pair::{Effort, PosedPair};
 use super::way_out::WayOut;
 use crate::query::entry::Completion;
 
@@ -28,6 +28,8 @@ struct BestBounds {
 const FIRST_POINTS: usize = 16;
 /// Steps of the lower bound for each direction that is tried for the upper one.
 const STEPS: usize = 4;
+/// Bounds as near as this are worth the exact place where the bodies touch.
+const CLOSE: f64 = 1.0625;
 /// Bounds as near as this are not refined.
 const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
 
@@ -37,15 +39,16 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
         found.way.upper = 0.0;
         return Ok(());
     }
-    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS, Effort::Wide)?;
     let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
     // The point leaves B, and B's point leaves A.
-    found.way.try_along(&from_b.map(|x| -x), bodies)?;
-    found.way.try_along(&from_a, bodies)?;
+    for direction in [from_b.map(|x| -x), from_a] {
+        found.way.try_along(&direction, cover.along(&direction), bodies)?;
+    }
     if let Some(direction) = bodies.likely_direction()? {
-        found.way.try_along(&direction, bodies)?;
+        found.way.try_along(&direction, cover.along(&direction), bodies)?;
     }
     while found.lower * TIGHT < found.way.upper {
         for _ in 0..STEPS {
@@ -57,12 +60,15 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
         if !cover.is_final
             && let Some(weakest) = cover.weakest()
         {
-            found.way.try_along(&weakest, bodies)?;
+            found.way.try_along(&weakest, cover.along(&weakest), bodies)?;
         }
         if found.way.is_exhausted() && cover.is_final {
             break;
         }
-        found.way.try_next(bodies)?;
+        if found.way.upper <= CLOSE * found.lower {
+            found.way.touch(bodies)?;
+        }
+        found.way.try_next(&cover, bodies)?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 //! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
 //! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
 
+use super::cover::ForbiddenBall;
 use super::interval::OutOfBudget;
 use super::posed_pair::PosedPair;
 use crate::exact::power_of_two;
@@ -20,12 +21,22 @@ pub(super) struct WayOut {
     /// Number of directions tried about the best one since it changed, and how far from it.
     beside: usize,
     reach: f64,
+    /// Whether the bodies touch after the best translation.
+    is_touching: bool,
 }
 
 /// A descent begins at this fraction of the best translation's length.
 const SHORTER: f64 = 0.98;
 const MOST_STEPS: usize = 24;
+/// Where nothing is known to be forbidden, the search along a direction begins at this fraction of the way that is
+/// always enough.
+const LEAST: f64 = power_of_two(-12);
+/// The first step beyond what is forbidden; the next ones double.
+const FIRST_AHEAD: f64 = power_of_two(-4);
+const MOST_AHEAD: usize = 40;
 /// A descent ends at a gap of this fraction of the translation.
+const NEAR: f64 = power_of_two(-7);
+/// So does the last one, from the best translation of all.
 const TOUCHING: f64 = power_of_two(-37);
 /// What remains of a gap, relatively: more than the rounding of the verdict.
 const KEPT: f64 = power_of_two(-30);
@@ -36,11 +47,18 @@ const NEAREST: f64 = 0.02;
 
 impl WayOut {
     pub(super) const fn new() -> Self {
-        Self { upper: f64::INFINITY, translation: [0.0; 3], fixed: 0, beside: 0, reach: 0.4 }
+        Self {
+            upper: f64::INFINITY,
+            translation: [0.0; 3],
+            fixed: 0,
+            beside: 0,
+            reach: 0.4,
+            is_touching: false,
+        }
     }
 
     pub(super) const fn is_exhausted(&self) -> bool {
-        self.fixed >= FIXED && self.reach < NEAREST
+        self.fixed >= FIXED && self.reach < NEAREST && self.is_touching
     }
 
     fn accept(&mut self, t: &Point) {
@@ -48,20 +66,29 @@ impl WayOut {
         if upper < self.upper {
             (self.upper, self.translation) = (upper, *t);
             (self.beside, self.reach) = (0, f64::min(self.reach * 2.0, 0.4));
+            self.is_touching = false;
         }
     }
 
     /// Tries a fixed direction, or if there are no more, one near the best.
-    pub(super) fn try_next(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
+    pub(super) fn try_next(
+        &mut self,
+        cover: &ForbiddenBall,
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
         if self.fixed < FIXED {
             // The 27 cells of a cube without the middle one.
             let code = self.fixed + usize::from(self.fixed >= 13);
             let cell = [code % 3, code / 3 % 3, code / 9].map(|x| x as f64 - 1.0);
-            self.try_along(&cell, bodies)?;
+            self.try_along(&cell, cover.along(&cell), bodies)?;
             self.fixed += 1;
-        } else if !self.is_exhausted()
-            && let Some(best) = unit(&self.translation)
-        {
+        } else if self.reach < NEAREST {
+            self.touch(bodies)?;
+        } else {
+            let Some(best) = unit(&self.translation) else {
+                self.reach = 0.0;
+                return Ok(());
+            };
             let axis = if best[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
             let x = unit(&cross(&best, &axis)).unwrap_or(axis);
             let y = cross(&best, &x);
@@ -72,7 +99,7 @@ impl WayOut {
             let (u, v) = (u * self.reach, v * self.reach);
             let direction = core::array::from_fn(|i| best[i] + (u * x[i] + v * y[i]));
             let upper = self.upper;
-            self.try_along(&direction, bodies)?;
+            self.try_along(&direction, cover.along(&direction), bodies)?;
             if self.upper >= upper {
                 self.beside += 1;
                 if self.beside == BESIDE {
@@ -83,23 +110,53 @@ impl WayOut {
         Ok(())
     }
 
-    /// Descends along a direction, if the bodies are free there at less than the best translation.
+    /// Looks along a direction for a place where the bodies are free, from what is known to be forbidden to a little
+    /// less than the best translation, and descends from there.
     pub(super) fn try_along(
         &mut self,
         direction: &Point,
+        forbidden: f64,
         bodies: &mut impl PosedPair,
     ) -> Result<(), OutOfBudget> {
         let Some(along) = unit(direction) else { return Ok(()) };
-        let start = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
-        let mut t = along.map(|x| x * start);
-        if !bodies.is_free(&t)? {
+        let most = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
+        if forbidden >= most {
             return Ok(());
         }
-        self.accept(&t);
+        let forbidden = f64::max(forbidden, LEAST * bodies.far());
+        let mut ahead = FIRST_AHEAD * forbidden;
+        for _ in 0..MOST_AHEAD {
+            let far = f64::min(forbidden + ahead, most);
+            let t = along.map(|x| x * far);
+            if bodies.is_free(&t)? {
+                self.accept(&t);
+                return self.descend(t, NEAR, bodies);
+            }
+            if far >= most {
+                break;
+            }
+            ahead *= 2.0;
+        }
+        Ok(())
+    }
+
+    /// Descends from the best translation until the bodies touch.
+    pub(super) fn touch(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
+        if !self.is_touching && self.upper < f64::INFINITY {
+            let (beside, reach) = (self.beside, self.reach);
+            self.descend(self.translation, TOUCHING, bodies)?;
+            (self.beside, self.reach) = (beside, reach);
+        }
+        self.is_touching = true;
+        Ok(())
+    }
+
+    /// From a free translation, until the gap is this small.
+    fn descend(&mut self, mut t: Point, until: f64, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         for _ in 0..MOST_STEPS {
             let Some((gap, normal)) = bodies.gap(&t)? else { break };
             let (far, gap) = (length(&t), gap * (1.0 - KEPT));
-            if gap <= TOUCHING * far {
+            if gap <= until * far {
                 break;
             }
             let straight = t.map(|x| x * (1.0 - gap / far));
