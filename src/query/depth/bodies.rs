@@ -15,9 +15,10 @@
 //! the translation; a surface that moves by less than its distance from a point winds around the point as before.
 //! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
 
+use super::clusters::{Clusters, normal};
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{Effort, PosedPair, Seed, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -43,6 +44,8 @@ pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) margin: f64,
     pub(super) stats: QueryStats,
     pub(super) hint: Hint,
+    /// Of distances.
+    pub(super) nearest: Hint,
 }
 
 impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> PosedBodies<'_, N, P, Q>
@@ -55,19 +58,34 @@ where
         pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
     }
 
-    fn better(
+    /// The best of some points, moved to a better place in some steps, if that is better than what was found.
+    fn improve(
         &mut self,
-        best: Option<Shared>,
-        seed: &Point,
-        pose: &Pose,
-        t: &Point,
-    ) -> Result<Option<Shared>, OutOfBudget> {
-        let found = self.shared(seed, pose, t, [true; 2])?;
-        Ok(match (best, found) {
-            (Some(best), Some(found)) if found.radius > best.radius => Some(found),
-            (None, found) => found,
-            (best, _) => best,
-        })
+        found: &mut (f64, Option<Shared>),
+        seeds: &[Option<Point>],
+        (pose, t): (&Pose, &Point),
+        steps: usize,
+    ) -> Result<(), OutOfBudget> {
+        let mut best: Option<Shared> = None;
+        for seed in seeds.iter().flatten() {
+            if let Some(other) = self.shared(seed, pose, t, [true; 2])?
+                && best.is_none_or(|best| other.radius > best.radius)
+            {
+                best = Some(other);
+            }
+        }
+        let Some(start) = best else { return Ok(()) };
+        let turned = *self.pose;
+        let widened = widened(
+            start,
+            steps,
+            |v| turned_back(&turned, v),
+            |point, is_unknown| self.shared(point, pose, t, is_unknown),
+        )?;
+        if found.1.is_none_or(|known| widened.radius > known.radius) {
+            *found = (f64::max(found.0, widened.radius), Some(widened));
+        }
+        Ok(())
     }
 
     /// The middle of what two spheres share, in A's frame.
@@ -137,22 +155,15 @@ where
         }))
     }
 
-    /// The middles of the primitives that meet, of at most [`MOST_PAIRS`], and of their clusters, in A's frame.
-    fn middles_of_contacts(
-        &mut self,
-        pose: &Pose,
-    ) -> Result<[Option<Point>; MOST_CLUSTERS + 1], OutOfBudget> {
-        let mut clusters = Clusters::new();
-        let mut pairs = 0;
+    /// Where primitives meet, of at most [`MOST_PAIRS`].
+    fn contacts_after(&mut self, pose: &Pose) -> Result<Clusters, OutOfBudget> {
+        let (mut clusters, mut pairs) = (Clusters::new(), 0);
         let (a, b) = (self.a, self.b);
         let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
             let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
-            for corner in P::corners(&moved).chain(Q::corners(&still)) {
-                sum = core::array::from_fn(|i| sum[i] + corner[i]);
-                count += 1.0;
+            if let Some(common) = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0) {
+                clusters.add(common.a, normal(P::corners(&moved)), normal(Q::corners(&still)));
             }
-            clusters.add(sum.map(|x| x / count));
             pairs += 1;
             if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
@@ -160,79 +171,7 @@ where
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);
         }
-        Ok(clusters.middles().map(|middle| middle.map(|middle| self.in_a(&middle, pose))))
-    }
-}
-
-const MOST_CLUSTERS: usize = 4;
-
-/// Points that are near each other.
-#[derive(Copy, Clone)]
-struct Cluster {
-    first: Point,
-    sum: Point,
-    count: f64,
-}
-
-/// Points in groups of which the first points are far from each other.
-struct Clusters {
-    clusters: [Cluster; MOST_CLUSTERS],
-    len: usize,
-}
-
-impl Clusters {
-    const fn new() -> Self {
-        Self { clusters: [Cluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0 }; MOST_CLUSTERS], len: 0 }
-    }
-
-    fn add(&mut self, point: Point) {
-        let distance = |p: &Point| length(&difference(p, &point));
-        let new = Cluster { first: point, sum: point, count: 1.0 };
-        if self.len < MOST_CLUSTERS {
-            self.clusters[self.len] = new;
-            self.len += 1;
-            return;
-        }
-        let nearer = |i: usize, j: usize| {
-            if distance(&self.clusters[j].first) < distance(&self.clusters[i].first) { j } else { i }
-        };
-        let nearest = (1..MOST_CLUSTERS).fold(0, nearer);
-        let (mut closest, mut least) = ((0, 1), f64::INFINITY);
-        for j in 1..MOST_CLUSTERS {
-            for i in 0..j {
-                let apart = length(&difference(&self.clusters[i].first, &self.clusters[j].first));
-                if apart < least {
-                    (closest, least) = ((i, j), apart);
-                }
-            }
-        }
-        if distance(&self.clusters[nearest].first) > least {
-            let (i, j) = closest;
-            let Cluster { sum, count, .. } = self.clusters[j];
-            self.clusters[i].join(&sum, count);
-            self.clusters[j] = new;
-        } else {
-            self.clusters[nearest].join(&point, 1.0);
-        }
-    }
-
-    /// Of all, and of each.
-    fn middles(&self) -> [Option<Point>; MOST_CLUSTERS + 1] {
-        let mut middles = [None; MOST_CLUSTERS + 1];
-        let mut all = Cluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0 };
-        for (cluster, middle) in self.clusters[..self.len].iter().zip(&mut middles[1..]) {
-            all.join(&cluster.sum, cluster.count);
-            *middle = Some(cluster.sum.map(|x| x / cluster.count));
-        }
-        middles[0] = (all.count > 0.0).then(|| all.sum.map(|x| x / all.count));
-        middles
-    }
-}
-
-impl Cluster {
-    fn join(&mut self, sum: &Point, count: f64) {
-        self.sum = core::array::from_fn(|i| self.sum[i] + sum[i]);
-        self.count += count;
+        Ok(clusters)
     }
 }
 
@@ -256,11 +195,11 @@ where
         verdict_of(&answer)
     }
 
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok(None) };
-        let found =
-            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
-        let Ok(found) = found else { return Ok(None) };
+        let query = self.query.after(&self.stats).with_hint(self.nearest);
+        let Ok(found) = query.distance(self.a, self.b, &pose, tolerance) else { return Ok(None) };
+        self.nearest = found.hint;
         self.stats = self.stats.and(&found.stats);
         gap_of(&found, self.margin)
     }
@@ -278,51 +217,42 @@ where
         t: &Point,
         seed: Option<Seed>,
         steps: usize,
-        effort: Effort,
+        wanted: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
-        let (mut radius, mut best) = (0.0, None);
+        let (at, mut found) = ((&pose, t), (0.0, None));
         if let Some(Seed { point, translation }) = seed {
-            // Half as deep in either body as the other translation left it, at worst.
             let back = turned_back(self.pose, &difference(&translation, t));
-            for share in [0.5, 0.0] {
-                let seed = core::array::from_fn(|i| point[i] + share * back[i]);
-                if best.is_none() {
-                    best = self.shared(&seed, &pose, t, [true; 2])?;
-                }
+            // Half as deep in either body as the other translation left it, at worst.
+            let halfway = core::array::from_fn(|i| point[i] + 0.5 * back[i]);
+            self.improve(&mut found, &[Some(halfway)], at, steps)?;
+            if found.1.is_none() {
+                self.improve(&mut found, &[Some(point)], at, steps)?;
             }
         }
-        if effort == Effort::Wide {
-            if let Some(packings) = self.packings {
-                let budget = self.query.budget();
-                if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
-                    let slack = slack(reach(self.a, self.b, self.pose), t);
-                    radius = pair.depth - self.pose.skew() * pair.a.radius - slack;
-                    best = self.better(best, &self.middle_of_lens(&pair, &pose), &pose, t)?;
-                }
-            }
-            if self.a.is_solid() && self.b.is_solid() {
-                for seed in self.middles_of_contacts(&pose)?.into_iter().flatten() {
-                    best = self.better(best, &seed, &pose, t)?;
-                }
-                if let Some(seed) = self.middle_of_boxes(&pose).filter(|_| best.is_none()) {
-                    best = self.better(best, &seed, &pose, t)?;
-                }
-            }
+        if found.0 <= wanted
+            && let Some(packings) = self.packings
+            && let Some(pair) =
+                packings::deepest(packings, &pose, &mut self.stats.visits, self.query.budget())?
+        {
+            let slack = slack(reach(self.a, self.b, self.pose), t);
+            found.0 = f64::max(found.0, pair.depth - self.pose.skew() * pair.a.radius - slack);
+            self.improve(&mut found, &[Some(self.middle_of_lens(&pair, &pose))], at, steps)?;
         }
-        if let Some(start) = best {
-            let turned = *self.pose;
-            let widened = widened(
-                start,
-                steps,
-                |v| turned_back(&turned, v),
-                |point, is_unknown| self.shared(point, &pose, t, is_unknown),
-            )?;
-            (radius, best) = (f64::max(radius, widened.radius), Some(widened));
+        if found.0 <= wanted && self.a.is_solid() && self.b.is_solid() {
+            let contacts = self.contacts_after(&pose)?;
+            let in_a = |point: Option<Point>| point.map(|point| self.in_a(&point, &pose));
+            let (middles, inner) = (contacts.middles().map(in_a), contacts.inner().map(in_a));
+            self.improve(&mut found, &middles, at, steps)?;
+            for seed in inner.into_iter().chain([self.middle_of_boxes(&pose)]) {
+                if found.1.is_none() {
+                    self.improve(&mut found, &[seed], at, steps)?;
+                }
+            }
         }
         // Nor are they farther apart than the margin after a translation that is farther by that.
-        let farther = if radius > 0.0 { self.margin } else { 0.0 };
-        Ok((radius + farther, best))
+        let farther = if found.0 > 0.0 { self.margin } else { 0.0 };
+        Ok((found.0 + farther, found.1))
     }
 
     fn likely_direction(&mut self) -> Result<Option<Point>, OutOfBudget> {
@@ -353,11 +283,9 @@ fn turned_back(pose: &Pose, v: &Point) -> Point {
     core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
 }
 
-const MOST_PAIRS: u32 = 512;
+const MOST_PAIRS: u32 = 128;
 /// Visits of the penetration volume, for its direction.
 const VOLUME_VISITS: u64 = 256;
-/// Of a distance on the way to the bodies, relatively.
-pub(super) const ROUGH: f64 = power_of_two(-10);
 
 impl Query {
     /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is

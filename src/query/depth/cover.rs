@@ -14,7 +14,7 @@
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
 use super::interval::OutOfBudget;
-use super::posed_pair::{Effort, PosedPair, Seed};
+use super::posed_pair::{PosedPair, Seed};
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{difference, dot, length, unit};
@@ -25,6 +25,8 @@ struct DirectionPart {
     reach: f64,
     /// A one, the number of the face, and two bits for each level of the division.
     path: u32,
+    /// Whether a ball was sought about its middle at this reach.
+    is_asked: bool,
 }
 
 /// Translations nearer than the radius to the centre are forbidden.
@@ -32,19 +34,26 @@ struct DirectionPart {
 struct Neighbourhood {
     centre: Point,
     radius: f64,
+    /// The length of the centre.
+    far: f64,
+    /// The square of the radius less that of the length, rounded down.
+    under: f64,
     /// A point that was in both bodies after the translation, in A's frame.
     point: Option<Point>,
 }
 
 const MOST_PARTS: usize = 256;
 const MOST_LEVELS: u32 = 8;
+/// From this level on, a ball is sought about the middle of a part before it is divided.
+const ASKED_LEVEL: u32 = 2;
 const MOST_STEPS: u32 = 2048;
-const MOST_BALLS: usize = 96;
+const MOST_BALLS: usize = 64;
 /// Points that are tried for each translation.
 const POINTS: usize = 4;
 /// A gain of less than this fraction of the reach ends the search.
-const GAIN: f64 = power_of_two(-8);
-/// A part is not divided if at least this share of the way along its middle is forbidden in all of its directions.
+const GAIN: f64 = power_of_two(-7);
+/// A part is not divided if at least this share of the way along its middle and its corners is forbidden in all of its
+/// directions.
 const WORTH: f64 = 0.4;
 /// How often the balls are gone through for the way through their union.
 const PASSES: usize = 4;
@@ -65,8 +74,8 @@ impl ForbiddenBall {
     /// From the radius of the forbidden neighbourhood of no translation.
     pub(super) fn new(radius: f64, point: Option<Point>) -> Self {
         let reach = f64::max(radius, 0.0);
-        let first = Neighbourhood { centre: [0.0; 3], radius, point };
-        let mut parts = [DirectionPart { reach, path: 0 }; MOST_PARTS];
+        let first = Neighbourhood::new([0.0; 3], radius, point);
+        let mut parts = [DirectionPart { reach, path: 0, is_asked: false }; MOST_PARTS];
         for (part, path) in parts.iter_mut().zip(8..16) {
             part.path = path;
         }
@@ -87,67 +96,77 @@ impl ForbiddenBall {
         self.parts[self.least()].reach
     }
 
-    /// The middle of the directions of least reach.
+    /// Of the directions of least reach, the one that is forbidden the least far.
     pub(super) fn weakest(&self) -> Option<Point> {
-        middle(&corners(self.parts[self.least()].path))
+        let DirectionPart { reach, path, .. } = self.parts[self.least()];
+        let directions = directions(path)?;
+        Some(directions[least_of(&self.reaches(&directions, reach).1)])
     }
 
     /// How far a direction is forbidden.
     pub(super) fn along(&self, direction: &Point) -> f64 {
         let lower = self.lower();
-        unit(direction).map_or(lower, |along| self.exit(&[along], lower))
+        unit(direction).map_or(lower, |along| self.reaches(&[along; 4], lower).0)
     }
 
-    /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
+    /// Raises the reach of the part where it is least, adds a ball there, or divides that part.
     pub(super) fn step(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         let at = self.least();
-        let DirectionPart { reach, path } = self.parts[at];
-        let corners = corners(path);
-        let Some(along) = middle(&corners).filter(|_| self.steps < MOST_STEPS) else {
+        let DirectionPart { reach, path, is_asked } = self.parts[at];
+        let Some(directions) = directions(path).filter(|_| self.steps < MOST_STEPS) else {
             self.is_final = true;
             return Ok(());
         };
-        let (all, ray) = (self.exit(&corners, reach), self.exit(&[along], reach));
-        if ray > reach * (1.0 + GAIN) {
-            self.steps += 1;
-            if all - reach >= WORTH * (ray - reach) || !self.divide(at) {
+        self.steps += 1;
+        let (all, rays) = self.reaches(&directions, reach);
+        let (weakest, more) = (least_of(&rays), reach * (1.0 + GAIN));
+        if all > more && all - reach >= WORTH * (rays[weakest] - reach) {
+            (self.parts[at].reach, self.parts[at].is_asked) = (all, false);
+            return Ok(());
+        }
+        let is_stuck = rays[weakest] <= more;
+        if !is_stuck && (is_asked || path.ilog2() < 3 + 2 * ASKED_LEVEL) {
+            if !self.divide(at) {
                 self.is_final = all <= reach;
                 self.parts[at].reach = all;
             }
             return Ok(());
         }
-        let t = along.map(|x| x * reach);
-        for effort in [Effort::Near, Effort::Wide] {
-            let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, effort)?;
-            self.add(Neighbourhood { centre: t, radius, point: shared.map(|shared| shared.point) });
-            if radius > GAIN * reach {
-                self.steps += 1;
-                return Ok(());
-            }
-        }
-        self.is_final = true;
+        // If all four go on, a direction between them may not.
+        let along = if is_stuck { weakest } else { MIDDLE };
+        let t = directions[along].map(|x| x * reach);
+        let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
+        self.add(Neighbourhood::new(t, radius, shared.map(|shared| shared.point)));
+        self.parts[at].is_asked = !is_stuck;
+        self.is_final = is_stuck && radius <= GAIN * reach;
         Ok(())
     }
 
-    /// How far all translations in the directions between the corners are forbidden, given that those shorter than
-    /// `reach` are.
-    fn exit(&self, corners: &[Point], mut reach: f64) -> f64 {
+    /// How far all translations are forbidden in the directions between the first three, and how far along each, given
+    /// that those shorter than `reach` are.
+    fn reaches(&self, directions: &[Point; 4], reach: f64) -> (f64, [f64; 4]) {
+        let (mut all, mut rays) = (reach, [reach; 4]);
         for _ in 0..PASSES {
-            let before = reach;
+            let before = (all, rays);
             for ball in &self.balls[..self.ball_count] {
-                reach = f64::max(reach, ball.exit(corners, reach));
+                let along = directions.each_ref().map(|direction| dot(direction, &ball.centre));
+                let least = f64::min(f64::min(along[0], along[1]), along[2]);
+                all = ball.reach(least, all);
+                for (ray, along) in rays.iter_mut().zip(along) {
+                    *ray = ball.reach(along, *ray);
+                }
             }
-            if reach <= before {
+            if before == (all, rays) {
                 break;
             }
         }
-        reach
+        (all, rays)
     }
 
     /// The point of the ball that is the nearest to contain a translation.
     fn nearest(&self, t: &Point) -> Option<Seed> {
         let mut nearest = (f64::NEG_INFINITY, None);
-        for Neighbourhood { centre, radius, point } in &self.balls[..self.ball_count] {
+        for Neighbourhood { centre, radius, point, .. } in &self.balls[..self.ball_count] {
             let inside = radius - length(&difference(centre, t));
             if let Some(point) = *point
                 && inside > nearest.0
@@ -180,9 +199,9 @@ impl ForbiddenBall {
         if self.len + 3 > MOST_PARTS || part.path.ilog2() >= 3 + 2 * MOST_LEVELS {
             return false;
         }
-        self.parts[at].path = part.path << 2;
+        (self.parts[at].path, self.parts[at].is_asked) = (part.path << 2, false);
         for child in 1..4 {
-            self.parts[self.len] = DirectionPart { path: part.path << 2 | child, ..part };
+            self.parts[self.len] = DirectionPart { path: part.path << 2 | child, is_asked: false, ..part };
             self.len += 1;
         }
         true
@@ -190,21 +209,37 @@ impl ForbiddenBall {
 }
 
 impl Neighbourhood {
-    /// How far the ball forbids all translations in the directions between the corners, if it forbids those that are as
-    /// long as `reach`; else 0.
-    fn exit(&self, corners: &[Point], reach: f64) -> f64 {
-        let square = dot(&self.centre, &self.centre);
-        let far = libm::sqrt(square);
-        let least = corners.iter().fold(far, |least, corner| f64::min(least, dot(corner, &self.centre)));
-        let least = if least > 0.0 { least } else { -far } - ROUNDING * far;
-        let radius_square = self.radius * self.radius;
-        let under = (least * least - square) + radius_square - ROUNDING * (square + radius_square);
-        if under <= 0.0 {
-            return 0.0;
-        }
-        let (half, slack) = (libm::sqrt(under), ROUNDING * (far + self.radius));
-        if (least - half) + slack < reach { (least + half) - slack } else { 0.0 }
+    fn new(centre: Point, radius: f64, point: Option<Point>) -> Self {
+        let (square, radius_square) = (dot(&centre, &centre), radius * radius);
+        let under = (radius_square - square) - ROUNDING * (square + radius_square);
+        Self { centre, radius, far: libm::sqrt(square), under, point }
     }
+
+    /// How far all translations are forbidden along directions whose product with the centre is at least `least`, given
+    /// that those shorter than `reach` are.
+    fn reach(&self, least: f64, reach: f64) -> f64 {
+        let least = if least > 0.0 { least } else { -self.far } - ROUNDING * self.far;
+        let (under, ahead) = (least * least + self.under, reach - least);
+        if ahead * ahead >= under {
+            return reach;
+        }
+        f64::max(reach, (least + libm::sqrt(under)) - ROUNDING * (self.far + self.radius))
+    }
+}
+
+/// The index of the middle among the [`directions`].
+const MIDDLE: usize = 3;
+
+/// The index of the least number.
+fn least_of(numbers: &[f64; 4]) -> usize {
+    (1..4).fold(0, |least, i| if numbers[i] < numbers[least] { i } else { least })
+}
+
+/// The corners of a part, and its middle.
+fn directions(path: u32) -> Option<[Point; 4]> {
+    let corners = corners(path);
+    let [p, q, r] = corners;
+    middle(&corners).map(|middle| [p, q, r, middle])
 }
 
 /// The corners of a part.

@@ -6,6 +6,7 @@
 mod beside_shape;
 mod bodies;
 mod by_queries;
+mod clusters;
 mod cover;
 mod interval;
 mod packings;
@@ -73,7 +74,17 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            interval(&mut PosedBodies { query, a, b, pose, packings, margin: 0.0, stats, hint: self.hint })
+            interval(&mut PosedBodies {
+                query,
+                a,
+                b,
+                pose,
+                packings,
+                margin: 0.0,
+                stats,
+                hint: self.hint,
+                nearest: Hint::NONE,
+            })
         })
     }
 
@@ -98,8 +109,17 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies =
-                PosedBodies { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE };
+            let mut bodies = PosedBodies {
+                query,
+                a,
+                b,
+                pose,
+                packings: None,
+                margin: 0.0,
+                stats,
+                hint: Hint::NONE,
+                nearest: Hint::NONE,
+            };
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })
@@ -135,7 +155,17 @@ impl Query {
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
     {
         let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-        interval(&mut PosedBodies { query, a, b, pose, packings: None, margin, stats, hint: self.hint })
+        interval(&mut PosedBodies {
+            query,
+            a,
+            b,
+            pose,
+            packings: None,
+            margin,
+            stats,
+            hint: self.hint,
+            nearest: Hint::NONE,
+        })
     }
 
     /// Of a shape in the tree's frame.

@@ -19,15 +19,6 @@ pub(super) struct Shared {
     pub(super) radii: [f64; 2],
 }
 
-/// Where points in both bodies are sought.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(super) enum Effort {
-    /// Near one that is known after another translation.
-    Near,
-    /// Wherever they may be.
-    Wide,
-}
-
 /// A point that is in both bodies after another translation, in A's frame.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Seed {
@@ -40,21 +31,22 @@ pub(super) trait PosedPair {
     /// Whether the bodies are free, by the exact query.
     fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget>;
 
-    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A. `None` if the
-    /// bodies meet.
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget>;
+    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A; with this relative
+    /// tolerance. `None` if the bodies meet.
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget>;
 
     /// How far a translation along any direction is enough: the balls around the bodies are then apart.
     fn far(&self) -> f64;
 
-    /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from the
-    /// best that is known. The radius is 0 or less if nothing is known to be forbidden.
+    /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from each
+    /// that is likely to be inside, until the radius exceeds the one that is wanted. The radius is 0 or less if nothing
+    /// is known to be forbidden.
     fn forbidden(
         &mut self,
         t: &Point,
         seed: Option<Seed>,
         steps: usize,
-        effort: Effort,
+        wanted: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget>;
 
     /// A direction in which the bodies are likely to leave each other.

@@ -2,7 +2,7 @@
 
 use super::cover::ForbiddenBall;
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::{Effort, PosedPair};
+use super::posed_pair::PosedPair;
 use super::way_out::WayOut;
 use crate::query::entry::Completion;
 
@@ -31,7 +31,7 @@ const STEPS: usize = 4;
 /// Bounds as near as this are worth the exact place where the bodies touch.
 const CLOSE: f64 = 1.0625;
 /// Bounds as near as this are not refined.
-const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
+const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-8);
 
 /// What a search does never depends on how much budget is left, so that more budget only goes on.
 fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), OutOfBudget> {
@@ -39,36 +39,39 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
         found.way.upper = 0.0;
         return Ok(());
     }
-    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS, Effort::Wide)?;
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS, 0.0)?;
     let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
-    // The point leaves B, and B's point leaves A.
-    for direction in [from_b.map(|x| -x), from_a] {
-        found.way.try_along(&direction, cover.along(&direction), bodies)?;
-    }
-    if let Some(direction) = bodies.likely_direction()? {
-        found.way.try_along(&direction, cover.along(&direction), bodies)?;
-    }
+    // The point leaves B.
+    found.way.try_along(&from_b.map(|x| -x), &cover, bodies)?;
+    let mut is_guessed = false;
     while found.lower * TIGHT < found.way.upper {
-        for _ in 0..STEPS {
-            if !cover.is_final {
-                cover.step(bodies)?;
-                found.lower = cover.lower();
+        if cover.is_final && !is_guessed {
+            is_guessed = true;
+            found.way.try_along(&from_a, &cover, bodies)?;
+            if let Some(direction) = bodies.likely_direction()? {
+                found.way.try_along(&direction, &cover, bodies)?;
             }
-        }
-        if !cover.is_final
-            && let Some(weakest) = cover.weakest()
-        {
-            found.way.try_along(&weakest, cover.along(&weakest), bodies)?;
-        }
-        if found.way.is_exhausted() && cover.is_final {
-            break;
+        } else if cover.is_final {
+            if found.way.is_exhausted() {
+                break;
+            }
+            found.way.try_next(&cover, bodies)?;
+        } else {
+            for _ in 0..STEPS {
+                if !cover.is_final {
+                    cover.step(bodies)?;
+                    found.lower = cover.lower();
+                }
+            }
+            if let Some(weakest) = cover.weakest() {
+                found.way.try_along(&weakest, &cover, bodies)?;
+            }
         }
         if found.way.upper <= CLOSE * found.lower {
             found.way.touch(bodies)?;
         }
-        found.way.try_next(&cover, bodies)?;
     }
     Ok(())
 }

@@ -34,6 +34,12 @@ const LEAST: f64 = power_of_two(-12);
 /// The first step beyond what is forbidden; the next ones double.
 const FIRST_AHEAD: f64 = power_of_two(-4);
 const MOST_AHEAD: usize = 40;
+/// While the lower bound still grows, only a way out that may be as short as this multiple of it is shortened.
+const PROMISING: f64 = 1.25;
+const MOST_HALVINGS: usize = 8;
+/// Relative tolerances of gaps on the way to the bodies, and where they are to touch.
+const ROUGH: f64 = power_of_two(-3);
+const FINE: f64 = power_of_two(-10);
 /// A descent ends at a gap of this fraction of the translation.
 const NEAR: f64 = power_of_two(-7);
 /// So does the last one, from the best translation of all.
@@ -80,7 +86,7 @@ impl WayOut {
             // The 27 cells of a cube without the middle one.
             let code = self.fixed + usize::from(self.fixed >= 13);
             let cell = [code % 3, code / 3 % 3, code / 9].map(|x| x as f64 - 1.0);
-            self.try_along(&cell, cover.along(&cell), bodies)?;
+            self.try_along(&cell, cover, bodies)?;
             self.fixed += 1;
         } else if self.reach < NEAREST {
             self.touch(bodies)?;
@@ -99,7 +105,7 @@ impl WayOut {
             let (u, v) = (u * self.reach, v * self.reach);
             let direction = core::array::from_fn(|i| best[i] + (u * x[i] + v * y[i]));
             let upper = self.upper;
-            self.try_along(&direction, cover.along(&direction), bodies)?;
+            self.try_along(&direction, cover, bodies)?;
             if self.upper >= upper {
                 self.beside += 1;
                 if self.beside == BESIDE {
@@ -115,29 +121,54 @@ impl WayOut {
     pub(super) fn try_along(
         &mut self,
         direction: &Point,
-        forbidden: f64,
+        cover: &ForbiddenBall,
         bodies: &mut impl PosedPair,
     ) -> Result<(), OutOfBudget> {
         let Some(along) = unit(direction) else { return Ok(()) };
         let most = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
+        let forbidden = cover.along(&along);
         if forbidden >= most {
             return Ok(());
         }
         let forbidden = f64::max(forbidden, LEAST * bodies.far());
-        let mut ahead = FIRST_AHEAD * forbidden;
+        let (mut hit, mut ahead) = (forbidden, FIRST_AHEAD * forbidden);
         for _ in 0..MOST_AHEAD {
             let far = f64::min(forbidden + ahead, most);
             let t = along.map(|x| x * far);
             if bodies.is_free(&t)? {
                 self.accept(&t);
-                return self.descend(t, NEAR, bodies);
+                let is_worth = cover.is_final || hit <= PROMISING * cover.lower();
+                return if is_worth { self.approach(&along, [hit, far], bodies) } else { Ok(()) };
             }
             if far >= most {
                 break;
             }
-            ahead *= 2.0;
+            (hit, ahead) = (far, 2.0 * ahead);
         }
         Ok(())
+    }
+
+    /// Halves the way between a place along a direction where the bodies meet and a free one, and descends from there.
+    fn approach(
+        &mut self,
+        along: &Point,
+        [mut hit, mut free]: [f64; 2],
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
+        for _ in 0..MOST_HALVINGS {
+            if free - hit <= NEAR * free {
+                break;
+            }
+            let middle = 0.5 * (hit + free);
+            let t = along.map(|x| x * middle);
+            if bodies.is_free(&t)? {
+                free = middle;
+                self.accept(&t);
+            } else {
+                hit = middle;
+            }
+        }
+        self.descend(along.map(|x| x * free), NEAR, bodies)
     }
 
     /// Descends from the best translation until the bodies touch.
@@ -154,13 +185,14 @@ impl WayOut {
     /// From a free translation, until the gap is this small.
     fn descend(&mut self, mut t: Point, until: f64, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         for _ in 0..MOST_STEPS {
-            let Some((gap, normal)) = bodies.gap(&t)? else { break };
+            let tolerance = if until < NEAR { FINE } else { ROUGH };
+            let Some((gap, normal)) = bodies.gap(&t, tolerance)? else { break };
             let (far, gap) = (length(&t), gap * (1.0 - KEPT));
-            if gap <= until * far {
+            let ahead = dot(&normal, &t) - gap;
+            if gap <= until * far && ahead >= (1.0 - NEAR) * far {
                 break;
             }
             let straight = t.map(|x| x * (1.0 - gap / far));
-            let ahead = dot(&normal, &t) - gap;
             let mut next = None;
             if ahead > 0.0 {
                 for share in [1.0, 0.5, 0.2] {
@@ -195,7 +227,7 @@ pub(super) fn along(direction: &Point, bodies: &mut impl PosedPair) -> Result<f6
             break;
         }
         best = far;
-        let Some((gap, _)) = bodies.gap(&at(far))? else { break };
+        let Some((gap, _)) = bodies.gap(&at(far), FINE)? else { break };
         if far == 0.0 || gap <= smallest {
             break;
         }
