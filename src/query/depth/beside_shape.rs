@@ -4,7 +4,7 @@
 
 use super::bodies::slack;
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, Seed, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
@@ -118,5 +118,9 @@ where
 
     fn stats(&self) -> QueryStats {
         self.stats
+    }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
     }
 }

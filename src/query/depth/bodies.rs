@@ -18,7 +18,7 @@
 use super::clusters::{Clusters, normal};
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{PosedPair, Seed, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -62,13 +62,13 @@ where
     fn improve(
         &mut self,
         found: &mut (f64, Option<Shared>),
-        seeds: &[Option<Point>],
+        (seeds, is_unknown): (&[Option<Point>], [bool; 2]),
         (pose, t): (&Pose, &Point),
         steps: usize,
     ) -> Result<(), OutOfBudget> {
         let mut best: Option<Shared> = None;
         for seed in seeds.iter().flatten() {
-            if let Some(other) = self.shared(seed, pose, t, [true; 2])?
+            if let Some(other) = self.shared(seed, pose, t, is_unknown)?
                 && best.is_none_or(|best| other.radius > best.radius)
             {
                 best = Some(other);
@@ -221,13 +221,15 @@ where
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
         let (at, mut found) = ((&pose, t), (0.0, None));
-        if let Some(Seed { point, translation }) = seed {
+        if let Some(Seed { point, translation, radii }) = seed {
             let back = turned_back(self.pose, &difference(&translation, t));
+            let half = 0.5 * length(&back);
+            let is_unknown = radii.map(|radius| half > 0.99 * radius);
             // Half as deep in either body as the other translation left it, at worst.
             let halfway = core::array::from_fn(|i| point[i] + 0.5 * back[i]);
-            self.improve(&mut found, &[Some(halfway)], at, steps)?;
+            self.improve(&mut found, (&[Some(halfway)], is_unknown), at, steps)?;
             if found.1.is_none() {
-                self.improve(&mut found, &[Some(point)], at, steps)?;
+                self.improve(&mut found, (&[Some(point)], UNKNOWN), at, steps)?;
             }
         }
         if found.0 <= wanted
@@ -237,16 +239,17 @@ where
         {
             let slack = slack(reach(self.a, self.b, self.pose), t);
             found.0 = f64::max(found.0, pair.depth - self.pose.skew() * pair.a.radius - slack);
-            self.improve(&mut found, &[Some(self.middle_of_lens(&pair, &pose))], at, steps)?;
+            let middle = Some(self.middle_of_lens(&pair, &pose));
+            self.improve(&mut found, (&[middle], UNKNOWN), at, steps)?;
         }
         if found.0 <= wanted && self.a.is_solid() && self.b.is_solid() {
             let contacts = self.contacts_after(&pose)?;
             let in_a = |point: Option<Point>| point.map(|point| self.in_a(&point, &pose));
             let (middles, inner) = (contacts.middles().map(in_a), contacts.inner().map(in_a));
-            self.improve(&mut found, &middles, at, steps)?;
+            self.improve(&mut found, (&middles, UNKNOWN), at, steps)?;
             for seed in inner.into_iter().chain([self.middle_of_boxes(&pose)]) {
                 if found.1.is_none() {
-                    self.improve(&mut found, &[seed], at, steps)?;
+                    self.improve(&mut found, (&[seed], UNKNOWN), at, steps)?;
                 }
             }
         }
@@ -270,6 +273,10 @@ where
     fn stats(&self) -> QueryStats {
         self.stats
     }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
+    }
 }
 
 /// What is lost to rounding after a translation, with a bound of all coordinates.
@@ -283,7 +290,8 @@ fn turned_back(pose: &Pose, v: &Point) -> Point {
     core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
 }
 
-const MOST_PAIRS: u32 = 128;
+const UNKNOWN: [bool; 2] = [true; 2];
+const MOST_PAIRS: u32 = 48;
 /// Visits of the penetration volume, for its direction.
 const VOLUME_VISITS: u64 = 256;
 

@@ -3,7 +3,7 @@
 use super::beside_shape::translated;
 use super::bodies::slack;
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::{PosedPair, Seed, Shared, gap_of, verdict_of};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of};
 use super::search::interval;
 use super::way_out;
 use crate::frame::BodyBounds;
@@ -60,6 +60,10 @@ impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -
 
     fn stats(&self) -> QueryStats {
         self.stats
+    }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
     }
 }
 

@@ -14,7 +14,7 @@
 //! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
 
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, Seed};
+use super::posed_pair::{PosedPair, Seed, Shared};
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{difference, dot, length, unit};
@@ -38,8 +38,8 @@ struct Neighbourhood {
     far: f64,
     /// The square of the radius less that of the length, rounded down.
     under: f64,
-    /// A point that was in both bodies after the translation, in A's frame.
-    point: Option<Point>,
+    /// A point that was in both bodies after the translation.
+    seed: Option<Seed>,
 }
 
 const MOST_PARTS: usize = 256;
@@ -72,9 +72,9 @@ pub(super) struct ForbiddenBall {
 
 impl ForbiddenBall {
     /// From the radius of the forbidden neighbourhood of no translation.
-    pub(super) fn new(radius: f64, point: Option<Point>) -> Self {
+    pub(super) fn new(radius: f64, shared: Option<&Shared>) -> Self {
         let reach = f64::max(radius, 0.0);
-        let first = Neighbourhood::new([0.0; 3], radius, point);
+        let first = Neighbourhood::new([0.0; 3], radius, shared);
         let mut parts = [DirectionPart { reach, path: 0, is_asked: false }; MOST_PARTS];
         for (part, path) in parts.iter_mut().zip(8..16) {
             part.path = path;
@@ -117,6 +117,7 @@ impl ForbiddenBall {
             self.is_final = true;
             return Ok(());
         };
+        bodies.spend(self.ball_count.div_ceil(16) as u64)?;
         self.steps += 1;
         let (all, rays) = self.reaches(&directions, reach);
         let (weakest, more) = (least_of(&rays), reach * (1.0 + GAIN));
@@ -136,7 +137,7 @@ impl ForbiddenBall {
         let along = if is_stuck { weakest } else { MIDDLE };
         let t = directions[along].map(|x| x * reach);
         let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
-        self.add(Neighbourhood::new(t, radius, shared.map(|shared| shared.point)));
+        self.add(Neighbourhood::new(t, radius, shared.as_ref()));
         self.parts[at].is_asked = !is_stuck;
         self.is_final = is_stuck && radius <= GAIN * reach;
         Ok(())
@@ -166,12 +167,10 @@ impl ForbiddenBall {
     /// The point of the ball that is the nearest to contain a translation.
     fn nearest(&self, t: &Point) -> Option<Seed> {
         let mut nearest = (f64::NEG_INFINITY, None);
-        for Neighbourhood { centre, radius, point, .. } in &self.balls[..self.ball_count] {
+        for Neighbourhood { centre, radius, seed, .. } in &self.balls[..self.ball_count] {
             let inside = radius - length(&difference(centre, t));
-            if let Some(point) = *point
-                && inside > nearest.0
-            {
-                nearest = (inside, Some(Seed { point, translation: *centre }));
+            if seed.is_some() && inside > nearest.0 {
+                nearest = (inside, *seed);
             }
         }
         nearest.1
@@ -209,10 +208,11 @@ impl ForbiddenBall {
 }
 
 impl Neighbourhood {
-    fn new(centre: Point, radius: f64, point: Option<Point>) -> Self {
+    fn new(centre: Point, radius: f64, shared: Option<&Shared>) -> Self {
+        let seed = shared.map(|&Shared { point, radii, .. }| Seed { point, translation: centre, radii });
         let (square, radius_square) = (dot(&centre, &centre), radius * radius);
         let under = (radius_square - square) - ROUNDING * (square + radius_square);
-        Self { centre, radius, far: libm::sqrt(square), under, point }
+        Self { centre, radius, far: libm::sqrt(square), under, seed }
     }
 
     /// How far all translations are forbidden along directions whose product with the centre is at least `least`, given

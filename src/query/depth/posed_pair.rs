@@ -2,7 +2,7 @@
 
 use super::interval::OutOfBudget;
 use crate::query::distance::Distance;
-use crate::query::entry::{Answer, Completion, QueryStats, Verdict};
+use crate::query::entry::{Answer, Completion, Query, QueryStats, Verdict};
 use crate::range::Point;
 use crate::vector::{difference, dot, unit};
 
@@ -24,6 +24,8 @@ pub(super) struct Shared {
 pub(super) struct Seed {
     pub(super) point: Point,
     pub(super) translation: Point,
+    /// Of the balls about it in A and in B.
+    pub(super) radii: [f64; 2],
 }
 
 /// Two bodies, and what is known after a translation of the first.
@@ -56,6 +58,9 @@ pub(super) trait PosedPair {
 
     /// The work so far.
     fn stats(&self) -> QueryStats;
+
+    /// Counts visits of the search itself.
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget>;
 }
 
 /// What a verdict after a translation says: see [`PosedPair::is_free`].
@@ -75,6 +80,15 @@ pub(super) fn gap_of(found: &Distance, margin: f64) -> Result<Option<(f64, Point
     let gap = found.lower - margin;
     let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
     Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+}
+
+/// Adds visits, unless that exceeds the budget.
+pub(super) fn spend(query: &Query, stats: &mut QueryStats, visits: u64) -> Result<(), OutOfBudget> {
+    if visits > query.after(stats).budget() {
+        return Err(OutOfBudget);
+    }
+    stats.visits += visits;
+    Ok(())
 }
 
 /// The square of a slope that is not worth a step.

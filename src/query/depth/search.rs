@@ -40,7 +40,7 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
         return Ok(());
     }
     let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS, 0.0)?;
-    let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
+    let mut cover = ForbiddenBall::new(radius, shared.as_ref());
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
     // The point leaves B.
