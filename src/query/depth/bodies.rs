@@ -15,7 +15,7 @@
 //! the translation; a surface that moves by less than its distance from a point winds around the point as before.
 //! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
 
-use super::clusters::{Clusters, normal};
+use super::clusters::{Clusters, crossing, triangle};
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
 use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
@@ -161,8 +161,8 @@ where
         let (a, b) = (self.a, self.b);
         let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
             let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
-            if let Some(common) = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0) {
-                clusters.add(common.a, normal(P::corners(&moved)), normal(Q::corners(&still)));
+            if let (Some(a), Some(b)) = (triangle(P::corners(&moved)), triangle(Q::corners(&still))) {
+                clusters.add(crossing(&a, &b));
             }
             pairs += 1;
             if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }

@@ -1,7 +1,7 @@
 //! Where bodies are likely to overlap: about the places where their primitives meet.
 
 use crate::range::Point;
-use crate::vector::{cross, difference, length, unit};
+use crate::vector::{cross, difference, dot, length, unit};
 
 const MOST: usize = 4;
 
@@ -29,7 +29,7 @@ impl Clusters {
     }
 
     /// Adds a point with the normals there.
-    pub(super) fn add(&mut self, point: Point, of_a: Point, of_b: Point) {
+    pub(super) fn add(&mut self, [point, of_a, of_b]: [Point; 3]) {
         let new = Cluster { first: point, sum: point, count: 1.0, normals: [of_a, of_b] };
         if self.len < MOST {
             self.clusters[self.len] = new;
@@ -113,11 +113,48 @@ impl Cluster {
     }
 }
 
-/// Of a triangle; zeros for other primitives.
-pub(super) fn normal(mut corners: impl Iterator<Item = Point>) -> Point {
-    let (Some(p), Some(q), Some(r), None) = (corners.next(), corners.next(), corners.next(), corners.next())
-    else {
-        return [0.0; 3];
+/// The corners, if these are the corners of a triangle.
+pub(super) fn triangle(mut corners: impl Iterator<Item = Point>) -> Option<[Point; 3]> {
+    let triangle = [corners.next()?, corners.next()?, corners.next()?];
+    corners.next().is_none().then_some(triangle)
+}
+
+/// Two triangles that meet, near where they do, with the normals there.
+pub(super) fn crossing(a: &[Point; 3], b: &[Point; 3]) -> [Point; 3] {
+    let normal = |[p, q, r]: &[Point; 3]| cross(&difference(q, p), &difference(r, p));
+    let normals = [normal(a), normal(b)];
+    let along = cross(&normals[0], &normals[1]);
+    let of_a = chord(a, &b[0], &normals[1], &along);
+    let of_b = chord(b, &a[0], &normals[0], &along);
+    let point = match (of_a, of_b) {
+        (Some(of_a), Some(of_b)) => {
+            let from = if of_a[0].0 > of_b[0].0 { of_a[0].1 } else { of_b[0].1 };
+            let to = if of_a[1].0 < of_b[1].0 { of_a[1].1 } else { of_b[1].1 };
+            core::array::from_fn(|i| 0.5 * (from[i] + to[i]))
+        }
+        _ => core::array::from_fn(|i| (a.iter().chain(b).map(|p| p[i]).sum::<f64>()) / 6.0),
     };
-    unit(&cross(&difference(&q, &p), &difference(&r, &p))).unwrap_or_default()
+    [point, unit(&normals[0]).unwrap_or_default(), unit(&normals[1]).unwrap_or_default()]
+}
+
+/// Where the edges of a triangle cross a plane: the first and the last point along a direction.
+fn chord(corners: &[Point; 3], on: &Point, normal: &Point, along: &Point) -> Option<[(f64, Point); 2]> {
+    let height = corners.each_ref().map(|p| dot(normal, &difference(p, on)));
+    let mut ends: Option<[(f64, Point); 2]> = None;
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        if (height[i] > 0.0) == (height[j] > 0.0) {
+            continue;
+        }
+        let share = height[i] / (height[i] - height[j]);
+        let p: Point = core::array::from_fn(|k| corners[i][k] + share * (corners[j][k] - corners[i][k]));
+        let end = (dot(along, &p), p);
+        ends = Some(match ends {
+            None => [end; 2],
+            Some([first, last]) => {
+                [if end.0 < first.0 { end } else { first }, if end.0 > last.0 { end } else { last }]
+            }
+        });
+    }
+    ends
 }

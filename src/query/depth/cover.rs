@@ -46,7 +46,7 @@ const MOST_PARTS: usize = 256;
 const MOST_LEVELS: u32 = 8;
 /// From this level on, a ball is sought about the middle of a part before it is divided.
 const ASKED_LEVEL: u32 = 2;
-const MOST_STEPS: u32 = 2048;
+const MOST_STEPS: u32 = 1024;
 const MOST_BALLS: usize = 64;
 /// Points that are tried for each translation.
 const POINTS: usize = 4;
@@ -138,8 +138,8 @@ impl ForbiddenBall {
         let t = directions[along].map(|x| x * reach);
         let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
         self.add(Neighbourhood::new(t, radius, shared.as_ref()));
-        self.parts[at].is_asked = !is_stuck;
         self.is_final = is_stuck && radius <= GAIN * reach;
+        self.parts[at].is_asked = !is_stuck;
         Ok(())
     }
 
