@@ -1,17 +1,24 @@
 //! The lower bound of the depth: how far the union of the forbidden translations reaches in every direction.
 //!
 //! The sphere of directions is divided into triangles, at first the eight faces of an octahedron. Each has a *reach*:
-//! all translations in its directions that are shorter are forbidden. The least reach of all is the lower bound. A step
-//! takes the triangle with the least reach s, and asks for the forbidden neighbourhood of the translation `x = s u`
-//! along its middle u. If its radius is f, and no direction v of the triangle is farther than d from u, then
+//! all translations in its directions that are shorter are forbidden. The least reach of all is the lower bound.
+//!
+//! All forbidden balls are kept, as far as there is room. For a ball of radius r about c and a unit vector v with
+//! `v . c >= m`,
 //!
 //! ```text
-//! |s' v - s u| <= (s' - s) + s |v - u| <= (s' - s) + s d  for s' >= s
+//! |s v - c|^2 = s^2 - 2 s v . c + c^2 <= s^2 - 2 s m + c^2,
 //! ```
 //!
-//! is below f for all s' below `s + f - s d`, the new reach. If much of f is lost to the width of the triangle, it is
-//! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
-//! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
+//! which is below r^2 between the roots `m +- sqrt(m^2 - c^2 + r^2)`. If the reach is between the roots for the least m
+//! of a triangle, it rises to the second one. The least product of c with the directions of a spherical triangle is that
+//! of a corner, if that is not negative: the cap of directions of which the product is at least that is then no larger
+//! than half of the sphere, and so convex.
+//!
+//! A step takes the triangle of the least reach. If no ball raises it, and some corner or the middle is not forbidden
+//! any farther, the next ball is sought there. If all four are, the balls do not overlap the same way everywhere: large
+//! triangles are divided into four, at the middles of their sides, small ones after a ball about their middle has not
+//! helped.
 
 use super::interval::OutOfBudget;
 use super::posed_pair::{PosedPair, Seed, Shared};
@@ -137,14 +144,15 @@ impl ForbiddenBall {
         let along = if is_stuck { weakest } else { MIDDLE };
         let t = directions[along].map(|x| x * reach);
         let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
-        self.add(Neighbourhood::new(t, radius, shared.as_ref()));
-        self.is_final = is_stuck && radius <= GAIN * reach;
+        let ball = Neighbourhood::new(t, radius, shared.as_ref());
+        self.add(ball);
+        self.is_final = is_stuck && ball.reach(dot(&directions[along], &t), reach) <= more;
         self.parts[at].is_asked = !is_stuck;
         Ok(())
     }
 
-    /// How far all translations are forbidden in the directions between the first three, and how far along each, given
-    /// that those shorter than `reach` are.
+    /// How far all translations are forbidden in the directions between the first three, and how far along each of the
+    /// four, given that those shorter than `reach` are.
     fn reaches(&self, directions: &[Point; 4], reach: f64) -> (f64, [f64; 4]) {
         let (mut all, mut rays) = (reach, [reach; 4]);
         for _ in 0..PASSES {
@@ -314,5 +322,43 @@ mod tests {
             assert!(found, "{u:?}");
         }
         assert!(inside.iter().filter(|count| **count > 0).count() > paths.len() / 2);
+    }
+
+    /// No sampled translation below the reach of a part is outside of all balls.
+    #[test]
+    fn reaches_are_inside_of_the_balls() {
+        let mut rng = Rng::new(6);
+        let vector = |rng: &mut Rng, size: f64| [(); 3].map(|()| rng.range(-size, size));
+        let (mut raised, mut joined) = (0, 0);
+        for _ in 0..4000 {
+            let mut cover = ForbiddenBall::new(rng.range(0.2, 1.0), None);
+            for _ in 0..rng.below(12) {
+                let ball = Neighbourhood::new(vector(&mut rng, 1.5), rng.range(0.0, 1.2), None);
+                cover.add(ball);
+            }
+            let levels = rng.below(5);
+            let path = (0..levels).fold(8 + rng.below(8) as u32, |path, _| path << 2 | rng.below(4) as u32);
+            let Some(directions) = directions(path) else { continue };
+            let first = cover.balls[0].radius;
+            let (all, rays) = cover.reaches(&directions, first);
+            raised += u32::from(all > first);
+            joined += u32::from(rays[MIDDLE] > first);
+            let check = |u: &Point, far: f64, rng: &mut Rng| {
+                let t = u.map(|x| x * far * (1.0 - 1e-12) * (1.0 - rng.unit().powi(4)));
+                let is_in = |ball: &Neighbourhood| length(&difference(&t, &ball.centre)) < ball.radius;
+                assert!(cover.balls[..cover.ball_count].iter().any(is_in), "{path:b} {t:?}");
+            };
+            for _ in 0..20 {
+                let weights: Point = [(); 3].map(|()| rng.unit());
+                let sum: Point =
+                    core::array::from_fn(|i| (0..3).map(|k| weights[k] * directions[k][i]).sum());
+                let Some(u) = unit(&sum) else { continue };
+                check(&u, all, &mut rng);
+            }
+            for (u, ray) in directions.iter().zip(rays) {
+                check(u, ray, &mut rng);
+            }
+        }
+        assert!(raised > 200 && joined > 400, "{raised} {joined}");
     }
 }

@@ -46,7 +46,13 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
     // The point leaves B.
     found.way.try_along(&from_b.map(|x| -x), &cover, bodies)?;
     let mut is_guessed = false;
-    while found.lower * TIGHT < found.way.upper {
+    loop {
+        if found.way.upper <= CLOSE * found.lower {
+            found.way.touch(bodies)?;
+        }
+        if found.way.upper <= TIGHT * found.lower {
+            break;
+        }
         if cover.is_final && !is_guessed {
             is_guessed = true;
             found.way.try_along(&from_a, &cover, bodies)?;
@@ -68,9 +74,6 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
             if let Some(weakest) = cover.weakest() {
                 found.way.try_along(&weakest, &cover, bodies)?;
             }
-        }
-        if found.way.upper <= CLOSE * found.lower {
-            found.way.touch(bodies)?;
         }
     }
     Ok(())

@@ -1,9 +1,11 @@
 //! The upper bound of the depth: the shortest translation found after which the bodies are free.
 //!
-//! From a free place outside, a descent approaches the bodies. At the place t, where they are a gap g apart and n points
-//! from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the origin of those that the plane
-//! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
-//! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
+//! Along a direction, places are asked outwards from what is known to be forbidden, until one is free; the way between
+//! it and the last one that is not is halved. From there a descent approaches the bodies. At the place t, where they are
+//! a gap g apart and n points from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the
+//! origin of those that the plane between the two nearest points separates: of convex bodies it is free. Of others it
+//! may not be; then the descent goes only part of that way, or straight towards the origin by g, which is always free.
+//! Every place is asked exactly.
 
 use super::cover::ForbiddenBall;
 use super::interval::OutOfBudget;
