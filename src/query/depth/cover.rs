@@ -98,6 +98,10 @@ impl ForbiddenBall {
         (1..self.len).fold(0, before)
     }
 
+    pub(super) const fn steps(&self) -> u32 {
+        self.steps
+    }
+
     /// All shorter translations are forbidden.
     pub(super) fn lower(&self) -> f64 {
         self.parts[self.least()].reach
@@ -344,7 +348,8 @@ mod tests {
             raised += u32::from(all > first);
             joined += u32::from(rays[MIDDLE] > first);
             let check = |u: &Point, far: f64, rng: &mut Rng| {
-                let t = u.map(|x| x * far * (1.0 - 1e-12) * (1.0 - rng.unit().powi(4)));
+                let far = far * (1.0 - 1e-12) * (1.0 - rng.unit().powi(4));
+                let t = u.map(|x| x * far);
                 let is_in = |ball: &Neighbourhood| length(&difference(&t, &ball.centre)) < ball.radius;
                 assert!(cover.balls[..cover.ball_count].iter().any(is_in), "{path:b} {t:?}");
             };
