@@ -98,10 +98,6 @@ impl ForbiddenBall {
         (1..self.len).fold(0, before)
     }
 
-    pub(super) const fn steps(&self) -> u32 {
-        self.steps
-    }
-
     /// All shorter translations are forbidden.
     pub(super) fn lower(&self) -> f64 {
         self.parts[self.least()].reach

@@ -36,10 +36,8 @@ const LEAST: f64 = power_of_two(-12);
 /// The first step beyond what is forbidden; the next ones double.
 const FIRST_AHEAD: f64 = power_of_two(-4);
 const MOST_AHEAD: usize = 40;
-/// While the lower bound still grows, only a way out that may be as short as this multiple of it is shortened; after
-/// each so many steps, one that is longer by the lower bound.
+/// While the lower bound still grows, only a way out that may be as short as this multiple of it is shortened.
 const PROMISING: f64 = 1.25;
-const SLOW: f64 = 24.0;
 const MOST_HALVINGS: usize = 8;
 /// Relative tolerances of gaps on the way to the bodies, and where they are to touch.
 const ROUGH: f64 = power_of_two(-3);
@@ -141,8 +139,7 @@ impl WayOut {
             let t = along.map(|x| x * far);
             if bodies.is_free(&t)? {
                 self.accept(&t);
-                let promising = PROMISING + f64::from(cover.steps()) / SLOW;
-                let is_worth = cover.is_final || hit <= promising * cover.lower();
+                let is_worth = cover.is_final || hit <= PROMISING * cover.lower();
                 return if is_worth { self.approach(&along, [hit, far], bodies) } else { Ok(()) };
             }
             if far >= most {
