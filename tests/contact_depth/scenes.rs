@@ -211,10 +211,10 @@ fn a_signed_clearance_never_allocates() {
 /// (`python/tests/test_depth.py`).
 const FIGURES: [[u64; 10]; 3] = [
     [
-        0x3fdfffffffffefcd,
-        0x3fe0000000004735,
-        0xbfe0000000004735,
-        0xbfdfffffffffefcd,
+        0x3fdffffffffff00e,
+        0x3fe0000000007f75,
+        0xbfe0000000007f75,
+        0xbfdffffffffff00e,
         0x3ff0000000000000,
         0x0000000000000000,
         0x0000000000000000,
@@ -223,10 +223,10 @@ const FIGURES: [[u64; 10]; 3] = [
         0x3fd0000000000000,
     ],
     [
-        0x3fe3fffffffff7d4,
-        0x3fe4000000004245,
-        0xbfe4000000004245,
-        0xbfe3fffffffff7d4,
+        0x3fe3fffffffff7d2,
+        0x3fe4000000009f5e,
+        0xbfe4000000009f5e,
+        0xbfe3fffffffff7d2,
         0x0000000000000000,
         0x0000000000000000,
         0x3ff0000000000000,

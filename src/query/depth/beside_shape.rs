@@ -2,9 +2,9 @@
 //!
 //! A ball about a point inside of a convex shape is as large as the point's depth in it.
 
-use super::bodies::{ROUGH, slack};
+use super::bodies::slack;
 use super::interval::OutOfBudget;
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
@@ -76,9 +76,9 @@ where
         verdict_of(&answer)
     }
 
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(shape) = translated(self.shape, t) else { return Ok(None) };
-        let found = self.query.after(&self.stats).shape_distance(&shape, self.tree, ROUGH, f64::INFINITY);
+        let found = self.query.after(&self.stats).shape_distance(&shape, self.tree, tolerance, f64::INFINITY);
         self.stats = self.stats.and(&found.stats);
         gap_of(&found, self.margin)
     }
@@ -93,8 +93,9 @@ where
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        _: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         if !self.tree.is_solid() {
             return Ok((0.0, None));
@@ -103,7 +104,7 @@ where
         let back = difference(&self.tree.extent().frame.centre, t);
         let middle = core::array::from_fn(|i| 0.5 * (centre[i] + back[i]));
         let mut best: Option<Shared> = None;
-        for point in [seed, Some(centre), Some(middle)].into_iter().flatten() {
+        for point in [seed.map(|seed| seed.point), Some(centre), Some(middle)].into_iter().flatten() {
             if let Some(found) = self.shared(&point, t, [true; 2])?
                 && best.is_none_or(|best| found.radius > best.radius)
             {
@@ -117,5 +118,9 @@ where
 
     fn stats(&self) -> QueryStats {
         self.stats
+    }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
     }
 }

@@ -15,9 +15,10 @@
 //! the translation; a surface that moves by less than its distance from a point winds around the point as before.
 //! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
 
+use super::clusters::{Clusters, crossing, triangle};
 use super::interval::OutOfBudget;
 use super::packings::{self, DeepestPair, Packings};
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
@@ -43,6 +44,8 @@ pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) margin: f64,
     pub(super) stats: QueryStats,
     pub(super) hint: Hint,
+    /// Of distances.
+    pub(super) nearest: Hint,
 }
 
 impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> PosedBodies<'_, N, P, Q>
@@ -55,21 +58,34 @@ where
         pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
     }
 
-    fn best_of(
+    /// The best of some points, moved to a better place in some steps, if that is better than what was found.
+    fn improve(
         &mut self,
-        seeds: [Option<Point>; 2],
-        pose: &Pose,
-        t: &Point,
-    ) -> Result<Option<Shared>, OutOfBudget> {
+        found: &mut (f64, Option<Shared>),
+        (seeds, is_unknown): (&[Option<Point>], [bool; 2]),
+        (pose, t): (&Pose, &Point),
+        steps: usize,
+    ) -> Result<(), OutOfBudget> {
         let mut best: Option<Shared> = None;
-        for point in seeds.into_iter().flatten() {
-            if let Some(found) = self.shared(&point, pose, t, [true; 2])?
-                && best.is_none_or(|best| found.radius > best.radius)
+        for seed in seeds.iter().flatten() {
+            if let Some(other) = self.shared(seed, pose, t, is_unknown)?
+                && best.is_none_or(|best| other.radius > best.radius)
             {
-                best = Some(found);
+                best = Some(other);
             }
         }
-        Ok(best)
+        let Some(start) = best else { return Ok(()) };
+        let turned = *self.pose;
+        let widened = widened(
+            start,
+            steps,
+            |v| turned_back(&turned, v),
+            |point, is_unknown| self.shared(point, pose, t, is_unknown),
+        )?;
+        if found.1.is_none_or(|known| widened.radius > known.radius) {
+            *found = (f64::max(found.0, widened.radius), Some(widened));
+        }
+        Ok(())
     }
 
     /// The middle of what two spheres share, in A's frame.
@@ -139,15 +155,14 @@ where
         }))
     }
 
-    /// The middle of the primitives that meet, of at most [`MOST_PAIRS`], in A's frame.
-    fn middle_of_contact(&mut self, pose: &Pose) -> Result<Option<Point>, OutOfBudget> {
-        let (mut sum, mut count, mut pairs) = ([0.0; 3], 0.0, 0);
+    /// Where primitives meet, of at most [`MOST_PAIRS`].
+    fn contacts_after(&mut self, pose: &Pose) -> Result<Clusters, OutOfBudget> {
+        let (mut clusters, mut pairs) = (Clusters::new(), 0);
         let (a, b) = (self.a, self.b);
         let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
             let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
-            for corner in P::corners(&moved).chain(Q::corners(&still)) {
-                sum = core::array::from_fn(|i| sum[i] + corner[i]);
-                count += 1.0;
+            if let (Some(a), Some(b)) = (triangle(P::corners(&moved)), triangle(Q::corners(&still))) {
+                clusters.add(crossing(&a, &b));
             }
             pairs += 1;
             if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
@@ -156,7 +171,7 @@ where
         if completion == Completion::OutOfBudget {
             return Err(OutOfBudget);
         }
-        Ok((count > 0.0).then(|| self.in_a(&sum.map(|x| x / count), pose)))
+        Ok(clusters)
     }
 }
 
@@ -180,11 +195,11 @@ where
         verdict_of(&answer)
     }
 
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok(None) };
-        let found =
-            self.query.after(&self.stats).with_hint(Hint::NONE).distance(self.a, self.b, &pose, ROUGH);
-        let Ok(found) = found else { return Ok(None) };
+        let query = self.query.after(&self.stats).with_hint(self.nearest);
+        let Ok(found) = query.distance(self.a, self.b, &pose, tolerance) else { return Ok(None) };
+        self.nearest = found.hint;
         self.stats = self.stats.and(&found.stats);
         gap_of(&found, self.margin)
     }
@@ -195,42 +210,52 @@ where
         1.01 * (a.radius + b.radius + apart + self.margin)
     }
 
-    /// Tries the packings, and then points on the way from the best of the seed and the place of the packings; without
-    /// these, from where the bodies are likely to overlap.
+    /// Tries the seed of the other translation; then the packings, and where the bodies are likely to overlap; and from
+    /// the best of these, points on the way to a better one.
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        wanted: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         let Some(pose) = self.at(t) else { return Ok((0.0, None)) };
-        let (mut radius, mut of_packings) = (0.0, None);
-        if let Some(packings) = self.packings {
-            let budget = self.query.budget();
-            if let Some(pair) = packings::deepest(packings, &pose, &mut self.stats.visits, budget)? {
-                let slack = slack(reach(self.a, self.b, self.pose), t);
-                radius = pair.depth - self.pose.skew() * pair.a.radius - slack;
-                of_packings = Some(self.middle_of_lens(&pair, &pose));
+        let (at, mut found) = ((&pose, t), (0.0, None));
+        if let Some(Seed { point, translation, radii }) = seed {
+            let back = turned_back(self.pose, &difference(&translation, t));
+            let half = 0.5 * length(&back);
+            let is_unknown = radii.map(|radius| half > 0.99 * radius);
+            // Half as deep in either body as the other translation left it, at worst.
+            let halfway = core::array::from_fn(|i| point[i] + 0.5 * back[i]);
+            self.improve(&mut found, (&[Some(halfway)], is_unknown), at, steps)?;
+            if found.1.is_none() {
+                self.improve(&mut found, (&[Some(point)], UNKNOWN), at, steps)?;
             }
         }
-        let mut best = self.best_of([seed, of_packings], &pose, t)?;
-        if best.is_none() && self.a.is_solid() && self.b.is_solid() {
-            let seeds = [self.middle_of_contact(&pose)?, self.middle_of_boxes(&pose)];
-            best = self.best_of(seeds, &pose, t)?;
+        if found.0 <= wanted
+            && let Some(packings) = self.packings
+            && let Some(pair) =
+                packings::deepest(packings, &pose, &mut self.stats.visits, self.query.budget())?
+        {
+            let slack = slack(reach(self.a, self.b, self.pose), t);
+            found.0 = f64::max(found.0, pair.depth - self.pose.skew() * pair.a.radius - slack);
+            let middle = Some(self.middle_of_lens(&pair, &pose));
+            self.improve(&mut found, (&[middle], UNKNOWN), at, steps)?;
         }
-        if let Some(start) = best {
-            let turned = *self.pose;
-            let found = widened(
-                start,
-                steps,
-                |v| turned_back(&turned, v),
-                |point, is_unknown| self.shared(point, &pose, t, is_unknown),
-            )?;
-            (radius, best) = (f64::max(radius, found.radius), Some(found));
+        if found.0 <= wanted && self.a.is_solid() && self.b.is_solid() {
+            let contacts = self.contacts_after(&pose)?;
+            let in_a = |point: Option<Point>| point.map(|point| self.in_a(&point, &pose));
+            let (middles, inner) = (contacts.middles().map(in_a), contacts.inner().map(in_a));
+            self.improve(&mut found, (&middles, UNKNOWN), at, steps)?;
+            for seed in inner.into_iter().chain([self.middle_of_boxes(&pose)]) {
+                if found.1.is_none() {
+                    self.improve(&mut found, (&[seed], UNKNOWN), at, steps)?;
+                }
+            }
         }
         // Nor are they farther apart than the margin after a translation that is farther by that.
-        let farther = if radius > 0.0 { self.margin } else { 0.0 };
-        Ok((radius + farther, best))
+        let farther = if found.0 > 0.0 { self.margin } else { 0.0 };
+        Ok((found.0 + farther, found.1))
     }
 
     fn likely_direction(&mut self) -> Result<Option<Point>, OutOfBudget> {
@@ -248,6 +273,10 @@ where
     fn stats(&self) -> QueryStats {
         self.stats
     }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
+    }
 }
 
 /// What is lost to rounding after a translation, with a bound of all coordinates.
@@ -261,11 +290,10 @@ fn turned_back(pose: &Pose, v: &Point) -> Point {
     core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
 }
 
-const MOST_PAIRS: u32 = 512;
+const UNKNOWN: [bool; 2] = [true; 2];
+const MOST_PAIRS: u32 = 48;
 /// Visits of the penetration volume, for its direction.
 const VOLUME_VISITS: u64 = 256;
-/// Of a distance on the way to the bodies, relatively.
-pub(super) const ROUGH: f64 = power_of_two(-10);
 
 impl Query {
     /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is

@@ -1,9 +1,9 @@
 //! Bodies of which only the queries are known, such as a cloud and a shape; and half-spaces.
 
 use super::beside_shape::translated;
-use super::bodies::{ROUGH, slack};
+use super::bodies::slack;
 use super::interval::{DepthInterval, OutOfBudget};
-use super::posed_pair::{PosedPair, Shared, gap_of, verdict_of};
+use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of};
 use super::search::interval;
 use super::way_out;
 use crate::frame::BodyBounds;
@@ -36,8 +36,10 @@ impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -
         verdict_of(&answer)
     }
 
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget> {
-        let Some(found) = (self.distance)(&self.query.after(&self.stats), t, ROUGH) else { return Ok(None) };
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
+        let Some(found) = (self.distance)(&self.query.after(&self.stats), t, tolerance) else {
+            return Ok(None);
+        };
         self.stats = self.stats.and(&found.stats);
         gap_of(&found, self.margin)
     }
@@ -49,14 +51,19 @@ impl<W: FnMut(&Query, &Point) -> Option<Answer>, D: FnMut(&Query, &Point, f64) -
     fn forbidden(
         &mut self,
         _: &Point,
-        _: Option<Point>,
+        _: Option<Seed>,
         _: usize,
+        _: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         Ok((0.0, None))
     }
 
     fn stats(&self) -> QueryStats {
         self.stats
+    }
+
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget> {
+        spend(&self.query, &mut self.stats, visits)
     }
 }
 

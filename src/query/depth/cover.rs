@@ -1,23 +1,30 @@
 //! The lower bound of the depth: how far the union of the forbidden translations reaches in every direction.
 //!
 //! The sphere of directions is divided into triangles, at first the eight faces of an octahedron. Each has a *reach*:
-//! all translations in its directions that are shorter are forbidden. The least reach of all is the lower bound. A step
-//! takes the triangle with the least reach s, and asks for the forbidden neighbourhood of the translation `x = s u`
-//! along its middle u. If its radius is f, and no direction v of the triangle is farther than d from u, then
+//! all translations in its directions that are shorter are forbidden. The least reach of all is the lower bound.
+//!
+//! All forbidden balls are kept, as far as there is room. For a ball of radius r about c and a unit vector v with
+//! `v . c >= m`,
 //!
 //! ```text
-//! |s' v - s u| <= (s' - s) + s |v - u| <= (s' - s) + s d  for s' >= s
+//! |s v - c|^2 = s^2 - 2 s v . c + c^2 <= s^2 - 2 s m + c^2,
 //! ```
 //!
-//! is below f for all s' below `s + f - s d`, the new reach. If much of f is lost to the width of the triangle, it is
-//! divided into four, at the middles of its sides. The three corners of a spherical triangle are the points of it that
-//! are farthest from its middle, as a cap that is smaller than half of the sphere is convex.
+//! which is below r^2 between the roots `m +- sqrt(m^2 - c^2 + r^2)`. If the reach is between the roots for the least m
+//! of a triangle, it rises to the second one. The least product of c with the directions of a spherical triangle is that
+//! of a corner, if that is not negative: the cap of directions of which the product is at least that is then no larger
+//! than half of the sphere, and so convex.
+//!
+//! A step takes the triangle of the least reach. If no ball raises it, and some corner or the middle is not forbidden
+//! any farther, the next ball is sought there. If all four are, the balls do not overlap the same way everywhere: large
+//! triangles are divided into four, at the middles of their sides, small ones after a ball about their middle has not
+//! helped.
 
 use super::interval::OutOfBudget;
-use super::posed_pair::PosedPair;
+use super::posed_pair::{PosedPair, Seed, Shared};
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{difference, length, unit};
+use crate::vector::{difference, dot, length, unit};
 
 /// A triangle of directions.
 #[derive(Copy, Clone)]
@@ -25,23 +32,46 @@ struct DirectionPart {
     reach: f64,
     /// A one, the number of the face, and two bits for each level of the division.
     path: u32,
-    /// A point that was in both bodies after a translation in this direction, in A's frame.
-    seed: Option<Point>,
+    /// Whether a ball was sought about its middle at this reach.
+    is_asked: bool,
+}
+
+/// Translations nearer than the radius to the centre are forbidden.
+#[derive(Copy, Clone)]
+struct Neighbourhood {
+    centre: Point,
+    radius: f64,
+    /// The length of the centre.
+    far: f64,
+    /// The square of the radius less that of the length, rounded down.
+    under: f64,
+    /// A point that was in both bodies after the translation.
+    seed: Option<Seed>,
 }
 
 const MOST_PARTS: usize = 256;
 const MOST_LEVELS: u32 = 8;
+/// From this level on, a ball is sought about the middle of a part before it is divided.
+const ASKED_LEVEL: u32 = 2;
 const MOST_STEPS: u32 = 1024;
+const MOST_BALLS: usize = 64;
 /// Points that are tried for each translation.
 const POINTS: usize = 4;
 /// A gain of less than this fraction of the reach ends the search.
-const GAIN: f64 = power_of_two(-8);
-/// Covers the roundings of directions and products, relative to a translation.
-const ROUNDING: f64 = power_of_two(-48);
+const GAIN: f64 = power_of_two(-7);
+/// A part is not divided if at least this share of the way along its middle and its corners is forbidden in all of its
+/// directions.
+const WORTH: f64 = 0.4;
+/// How often the balls are gone through for the way through their union.
+const PASSES: usize = 4;
+/// Covers the roundings of directions, products and sums, relative to their terms.
+const ROUNDING: f64 = power_of_two(-47);
 
 pub(super) struct ForbiddenBall {
     parts: [DirectionPart; MOST_PARTS],
     len: usize,
+    balls: [Neighbourhood; MOST_BALLS],
+    ball_count: usize,
     steps: u32,
     /// Whether no step raises the bound any more.
     pub(super) is_final: bool,
@@ -49,13 +79,15 @@ pub(super) struct ForbiddenBall {
 
 impl ForbiddenBall {
     /// From the radius of the forbidden neighbourhood of no translation.
-    pub(super) fn new(radius: f64, seed: Option<Point>) -> Self {
+    pub(super) fn new(radius: f64, shared: Option<&Shared>) -> Self {
         let reach = f64::max(radius, 0.0);
-        let mut parts = [DirectionPart { reach, path: 0, seed }; MOST_PARTS];
+        let first = Neighbourhood::new([0.0; 3], radius, shared);
+        let mut parts = [DirectionPart { reach, path: 0, is_asked: false }; MOST_PARTS];
         for (part, path) in parts.iter_mut().zip(8..16) {
             part.path = path;
         }
-        Self { parts, len: 8, steps: 0, is_final: reach <= 0.0 }
+        let balls = [first; MOST_BALLS];
+        Self { parts, len: 8, balls, ball_count: 1, steps: 0, is_final: reach <= 0.0 }
     }
 
     fn least(&self) -> usize {
@@ -71,48 +103,151 @@ impl ForbiddenBall {
         self.parts[self.least()].reach
     }
 
-    /// The middle of the directions of least reach.
+    /// Of the directions of least reach, the one that is forbidden the least far.
     pub(super) fn weakest(&self) -> Option<Point> {
-        middle(&corners(self.parts[self.least()].path))
+        let DirectionPart { reach, path, .. } = self.parts[self.least()];
+        let directions = directions(path)?;
+        Some(directions[least_of(&self.reaches(&directions, reach).1)])
     }
 
-    /// Raises the reach of the part where it is least, or divides that part. Without budget, nothing changes.
+    /// How far a direction is forbidden.
+    pub(super) fn along(&self, direction: &Point) -> f64 {
+        let lower = self.lower();
+        unit(direction).map_or(lower, |along| self.reaches(&[along; 4], lower).0)
+    }
+
+    /// Raises the reach of the part where it is least, adds a ball there, or divides that part.
     pub(super) fn step(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         let at = self.least();
-        let DirectionPart { reach, path, seed } = self.parts[at];
-        let corners = corners(path);
-        let Some(along) = middle(&corners).filter(|_| self.steps < MOST_STEPS) else {
+        let DirectionPart { reach, path, is_asked } = self.parts[at];
+        let Some(directions) = directions(path).filter(|_| self.steps < MOST_STEPS) else {
             self.is_final = true;
             return Ok(());
         };
-        let (radius, shared) = bodies.forbidden(&along.map(|x| x * reach), seed, POINTS)?;
+        bodies.spend(self.ball_count.div_ceil(16) as u64)?;
         self.steps += 1;
-        let width =
-            corners.iter().fold(0.0, |width, corner| f64::max(width, length(&difference(corner, &along))));
-        let spread = reach * (width + ROUNDING);
-        let part = &mut self.parts[at];
-        part.reach = f64::max(reach, (reach + (radius - spread)) * (1.0 - f64::EPSILON));
-        part.seed = shared.map_or(seed, |shared| Some(shared.point));
-        if radius <= GAIN * reach {
-            self.is_final = true;
-        } else if spread > 0.5 * radius {
-            self.divide(at);
+        let (all, rays) = self.reaches(&directions, reach);
+        let (weakest, more) = (least_of(&rays), reach * (1.0 + GAIN));
+        if all > more && all - reach >= WORTH * (rays[weakest] - reach) {
+            (self.parts[at].reach, self.parts[at].is_asked) = (all, false);
+            return Ok(());
         }
+        let is_stuck = rays[weakest] <= more;
+        if !is_stuck && (is_asked || path.ilog2() < 3 + 2 * ASKED_LEVEL) {
+            if !self.divide(at) {
+                self.is_final = all <= reach;
+                self.parts[at].reach = all;
+            }
+            return Ok(());
+        }
+        // If all four go on, a direction between them may not.
+        let along = if is_stuck { weakest } else { MIDDLE };
+        let t = directions[along].map(|x| x * reach);
+        let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
+        let ball = Neighbourhood::new(t, radius, shared.as_ref());
+        self.add(ball);
+        self.is_final = is_stuck && ball.reach(dot(&directions[along], &t), reach) <= more;
+        self.parts[at].is_asked = !is_stuck;
         Ok(())
     }
 
-    fn divide(&mut self, at: usize) {
-        let part = self.parts[at];
-        if self.len + 3 > MOST_PARTS || part.path.ilog2() >= 3 + 2 * MOST_LEVELS {
-            self.is_final = true;
+    /// How far all translations are forbidden in the directions between the first three, and how far along each of the
+    /// four, given that those shorter than `reach` are.
+    fn reaches(&self, directions: &[Point; 4], reach: f64) -> (f64, [f64; 4]) {
+        let (mut all, mut rays) = (reach, [reach; 4]);
+        for _ in 0..PASSES {
+            let before = (all, rays);
+            for ball in &self.balls[..self.ball_count] {
+                let along = directions.each_ref().map(|direction| dot(direction, &ball.centre));
+                let least = f64::min(f64::min(along[0], along[1]), along[2]);
+                all = ball.reach(least, all);
+                for (ray, along) in rays.iter_mut().zip(along) {
+                    *ray = ball.reach(along, *ray);
+                }
+            }
+            if before == (all, rays) {
+                break;
+            }
+        }
+        (all, rays)
+    }
+
+    /// The point of the ball that is the nearest to contain a translation.
+    fn nearest(&self, t: &Point) -> Option<Seed> {
+        let mut nearest = (f64::NEG_INFINITY, None);
+        for Neighbourhood { centre, radius, seed, .. } in &self.balls[..self.ball_count] {
+            let inside = radius - length(&difference(centre, t));
+            if seed.is_some() && inside > nearest.0 {
+                nearest = (inside, *seed);
+            }
+        }
+        nearest.1
+    }
+
+    /// Of too many balls, the smallest is dropped.
+    fn add(&mut self, ball: Neighbourhood) {
+        if ball.radius <= 0.0 {
             return;
         }
-        self.parts[at].path = part.path << 2;
+        let at = if self.ball_count < MOST_BALLS {
+            self.ball_count += 1;
+            self.ball_count - 1
+        } else {
+            let smaller =
+                |i: usize, j: usize| if self.balls[j].radius < self.balls[i].radius { j } else { i };
+            (1..MOST_BALLS).fold(0, smaller)
+        };
+        self.balls[at] = ball;
+    }
+
+    /// Whether there is room for that.
+    fn divide(&mut self, at: usize) -> bool {
+        let part = self.parts[at];
+        if self.len + 3 > MOST_PARTS || part.path.ilog2() >= 3 + 2 * MOST_LEVELS {
+            return false;
+        }
+        (self.parts[at].path, self.parts[at].is_asked) = (part.path << 2, false);
         for child in 1..4 {
-            self.parts[self.len] = DirectionPart { path: part.path << 2 | child, ..part };
+            self.parts[self.len] = DirectionPart { path: part.path << 2 | child, is_asked: false, ..part };
             self.len += 1;
         }
+        true
     }
+}
+
+impl Neighbourhood {
+    fn new(centre: Point, radius: f64, shared: Option<&Shared>) -> Self {
+        let seed = shared.map(|&Shared { point, radii, .. }| Seed { point, translation: centre, radii });
+        let (square, radius_square) = (dot(&centre, &centre), radius * radius);
+        let under = (radius_square - square) - ROUNDING * (square + radius_square);
+        Self { centre, radius, far: libm::sqrt(square), under, seed }
+    }
+
+    /// How far all translations are forbidden along directions whose product with the centre is at least `least`, given
+    /// that those shorter than `reach` are.
+    fn reach(&self, least: f64, reach: f64) -> f64 {
+        let least = if least > 0.0 { least } else { -self.far } - ROUNDING * self.far;
+        let (under, ahead) = (least * least + self.under, reach - least);
+        if ahead * ahead >= under {
+            return reach;
+        }
+        f64::max(reach, (least + libm::sqrt(under)) - ROUNDING * (self.far + self.radius))
+    }
+}
+
+/// The index of the middle among the [`directions`].
+const MIDDLE: usize = 3;
+
+/// The index of the least number.
+fn least_of(numbers: &[f64; 4]) -> usize {
+    (1..4).fold(0, |least, i| if numbers[i] < numbers[least] { i } else { least })
+}
+
+/// The corners of a part, and its middle.
+fn directions(path: u32) -> Option<[Point; 4]> {
+    let corners = corners(path);
+    let [p, q, r] = corners;
+    middle(&corners).map(|middle| [p, q, r, middle])
 }
 
 /// The corners of a part.
@@ -187,5 +322,44 @@ mod tests {
             assert!(found, "{u:?}");
         }
         assert!(inside.iter().filter(|count| **count > 0).count() > paths.len() / 2);
+    }
+
+    /// No sampled translation below the reach of a part is outside of all balls.
+    #[test]
+    fn reaches_are_inside_of_the_balls() {
+        let mut rng = Rng::new(6);
+        let vector = |rng: &mut Rng, size: f64| [(); 3].map(|()| rng.range(-size, size));
+        let (mut raised, mut joined) = (0, 0);
+        for _ in 0..4000 {
+            let mut cover = ForbiddenBall::new(rng.range(0.2, 1.0), None);
+            for _ in 0..rng.below(12) {
+                let ball = Neighbourhood::new(vector(&mut rng, 1.5), rng.range(0.0, 1.2), None);
+                cover.add(ball);
+            }
+            let levels = rng.below(5);
+            let path = (0..levels).fold(8 + rng.below(8) as u32, |path, _| path << 2 | rng.below(4) as u32);
+            let Some(directions) = directions(path) else { continue };
+            let first = cover.balls[0].radius;
+            let (all, rays) = cover.reaches(&directions, first);
+            raised += u32::from(all > first);
+            joined += u32::from(rays[MIDDLE] > first);
+            let check = |u: &Point, far: f64, rng: &mut Rng| {
+                let far = far * (1.0 - 1e-12) * (1.0 - rng.unit().powi(4));
+                let t = u.map(|x| x * far);
+                let is_in = |ball: &Neighbourhood| length(&difference(&t, &ball.centre)) < ball.radius;
+                assert!(cover.balls[..cover.ball_count].iter().any(is_in), "{path:b} {t:?}");
+            };
+            for _ in 0..20 {
+                let weights: Point = [(); 3].map(|()| rng.unit());
+                let sum: Point =
+                    core::array::from_fn(|i| (0..3).map(|k| weights[k] * directions[k][i]).sum());
+                let Some(u) = unit(&sum) else { continue };
+                check(&u, all, &mut rng);
+            }
+            for (u, ray) in directions.iter().zip(rays) {
+                check(u, ray, &mut rng);
+            }
+        }
+        assert!(raised > 200 && joined > 400, "{raised} {joined}");
     }
 }

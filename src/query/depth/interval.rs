@@ -23,6 +23,7 @@ pub struct DepthInterval {
     pub translation: Point,
     /// [`Completion::OutOfBudget`] if the search was cut short. The bounds are valid in either case.
     pub completion: Completion,
-    /// The work, as the sum over all queries that were asked, and one visit for each pair of balls that was opened.
+    /// The work, as the sum over all queries that were asked, one visit for each pair of balls that was opened, and one
+    /// for every sixteen forbidden balls that directions were tested against.
     pub stats: QueryStats,
 }

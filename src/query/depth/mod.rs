@@ -6,6 +6,7 @@
 mod beside_shape;
 mod bodies;
 mod by_queries;
+mod clusters;
 mod cover;
 mod interval;
 mod packings;
@@ -40,8 +41,8 @@ impl Query {
     /// bodies. Of bodies of spheres, the packing of a body may be the body itself. Packings need trees with balls.
     ///
     /// The search is anytime: with a larger [budget](Query::with_budget) neither bound is worse. It ends by itself where
-    /// the bounds meet, or when it finds nothing better. The bounds are the same on every instruction set. The hint is
-    /// tried first.
+    /// the bounds differ by less than 2^-8 of the lower one, or when it finds nothing better. The bounds are the same on
+    /// every instruction set. The hint is tried first.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -73,7 +74,17 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            interval(&mut PosedBodies { query, a, b, pose, packings, margin: 0.0, stats, hint: self.hint })
+            interval(&mut PosedBodies {
+                query,
+                a,
+                b,
+                pose,
+                packings,
+                margin: 0.0,
+                stats,
+                hint: self.hint,
+                nearest: Hint::NONE,
+            })
         })
     }
 
@@ -98,8 +109,17 @@ impl Query {
     {
         with_bvhs(a, b, |a, b| {
             let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies =
-                PosedBodies { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE };
+            let mut bodies = PosedBodies {
+                query,
+                a,
+                b,
+                pose,
+                packings: None,
+                margin: 0.0,
+                stats,
+                hint: Hint::NONE,
+                nearest: Hint::NONE,
+            };
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })
@@ -135,7 +155,17 @@ impl Query {
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
     {
         let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-        interval(&mut PosedBodies { query, a, b, pose, packings: None, margin, stats, hint: self.hint })
+        interval(&mut PosedBodies {
+            query,
+            a,
+            b,
+            pose,
+            packings: None,
+            margin,
+            stats,
+            hint: self.hint,
+            nearest: Hint::NONE,
+        })
     }
 
     /// Of a shape in the tree's frame.

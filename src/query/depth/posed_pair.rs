@@ -2,7 +2,7 @@
 
 use super::interval::OutOfBudget;
 use crate::query::distance::Distance;
-use crate::query::entry::{Answer, Completion, QueryStats, Verdict};
+use crate::query::entry::{Answer, Completion, Query, QueryStats, Verdict};
 use crate::range::Point;
 use crate::vector::{difference, dot, unit};
 
@@ -19,25 +19,36 @@ pub(super) struct Shared {
     pub(super) radii: [f64; 2],
 }
 
+/// A point that is in both bodies after another translation, in A's frame.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Seed {
+    pub(super) point: Point,
+    pub(super) translation: Point,
+    /// Of the balls about it in A and in B.
+    pub(super) radii: [f64; 2],
+}
+
 /// Two bodies, and what is known after a translation of the first.
 pub(super) trait PosedPair {
     /// Whether the bodies are free, by the exact query.
     fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget>;
 
-    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A. `None` if the
-    /// bodies meet.
-    fn gap(&mut self, t: &Point) -> Result<Option<(f64, Point)>, OutOfBudget>;
+    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A; with this relative
+    /// tolerance. `None` if the bodies meet.
+    fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget>;
 
     /// How far a translation along any direction is enough: the balls around the bodies are then apart.
     fn far(&self) -> f64;
 
-    /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from the
-    /// best that is known, or from the seed. The radius is 0 or less if nothing is known to be forbidden.
+    /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from each
+    /// that is likely to be inside, until the radius exceeds the one that is wanted. The radius is 0 or less if nothing
+    /// is known to be forbidden.
     fn forbidden(
         &mut self,
         t: &Point,
-        seed: Option<Point>,
+        seed: Option<Seed>,
         steps: usize,
+        wanted: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget>;
 
     /// A direction in which the bodies are likely to leave each other.
@@ -47,6 +58,9 @@ pub(super) trait PosedPair {
 
     /// The work so far.
     fn stats(&self) -> QueryStats;
+
+    /// Counts visits of the search itself.
+    fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget>;
 }
 
 /// What a verdict after a translation says: see [`PosedPair::is_free`].
@@ -66,6 +80,15 @@ pub(super) fn gap_of(found: &Distance, margin: f64) -> Result<Option<(f64, Point
     let gap = found.lower - margin;
     let Some(witness) = found.witness.filter(|_| gap > 0.0) else { return Ok(None) };
     Ok(unit(&difference(&witness.a, &witness.b)).map(|normal| (gap, normal)))
+}
+
+/// Adds visits, unless that exceeds the budget.
+pub(super) fn spend(query: &Query, stats: &mut QueryStats, visits: u64) -> Result<(), OutOfBudget> {
+    if visits > query.after(stats).budget() {
+        return Err(OutOfBudget);
+    }
+    stats.visits += visits;
+    Ok(())
 }
 
 /// The square of a slope that is not worth a step.

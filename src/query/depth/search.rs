@@ -28,8 +28,10 @@ struct BestBounds {
 const FIRST_POINTS: usize = 16;
 /// Steps of the lower bound for each direction that is tried for the upper one.
 const STEPS: usize = 4;
+/// Bounds as near as this are worth the exact place where the bodies touch.
+const CLOSE: f64 = 1.0625;
 /// Bounds as near as this are not refined.
-const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-40);
+const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-8);
 
 /// What a search does never depends on how much budget is left, so that more budget only goes on.
 fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), OutOfBudget> {
@@ -37,32 +39,42 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
         found.way.upper = 0.0;
         return Ok(());
     }
-    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS)?;
-    let mut cover = ForbiddenBall::new(radius, shared.map(|shared| shared.point));
+    let (radius, shared) = bodies.forbidden(&[0.0; 3], None, FIRST_POINTS, 0.0)?;
+    let mut cover = ForbiddenBall::new(radius, shared.as_ref());
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
-    // The point leaves B, and B's point leaves A.
-    found.way.try_along(&from_b.map(|x| -x), bodies)?;
-    found.way.try_along(&from_a, bodies)?;
-    if let Some(direction) = bodies.likely_direction()? {
-        found.way.try_along(&direction, bodies)?;
-    }
-    while found.lower * TIGHT < found.way.upper {
-        for _ in 0..STEPS {
-            if !cover.is_final {
-                cover.step(bodies)?;
-                found.lower = cover.lower();
-            }
+    // The point leaves B.
+    found.way.try_along(&from_b.map(|x| -x), &cover, bodies)?;
+    let mut is_guessed = false;
+    loop {
+        if found.way.upper <= CLOSE * found.lower {
+            found.way.touch(bodies)?;
         }
-        if !cover.is_final
-            && let Some(weakest) = cover.weakest()
-        {
-            found.way.try_along(&weakest, bodies)?;
-        }
-        if found.way.is_exhausted() && cover.is_final {
+        if found.way.upper <= TIGHT * found.lower {
             break;
         }
-        found.way.try_next(bodies)?;
+        if cover.is_final && !is_guessed {
+            is_guessed = true;
+            found.way.try_along(&from_a, &cover, bodies)?;
+            if let Some(direction) = bodies.likely_direction()? {
+                found.way.try_along(&direction, &cover, bodies)?;
+            }
+        } else if cover.is_final {
+            if found.way.is_exhausted() {
+                break;
+            }
+            found.way.try_next(&cover, bodies)?;
+        } else {
+            for _ in 0..STEPS {
+                if !cover.is_final {
+                    cover.step(bodies)?;
+                    found.lower = cover.lower();
+                }
+            }
+            if let Some(weakest) = cover.weakest() {
+                found.way.try_along(&weakest, &cover, bodies)?;
+            }
+        }
     }
     Ok(())
 }

@@ -1,10 +1,13 @@
 //! The upper bound of the depth: the shortest translation found after which the bodies are free.
 //!
-//! From a free place outside, a descent approaches the bodies. At the place t, where they are a gap g apart and n points
-//! from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the origin of those that the plane
-//! between the two nearest points separates: of convex bodies it is free. Of others it may not be; then the descent goes
-//! only part of that way, or straight towards the origin by g, which is always free. Every place is asked exactly.
+//! Along a direction, places are asked outwards from what is known to be forbidden, until one is free; the way between
+//! it and the last one that is not is halved. From there a descent approaches the bodies. At the place t, where they are
+//! a gap g apart and n points from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the
+//! origin of those that the plane between the two nearest points separates: of convex bodies it is free. Of others it
+//! may not be; then the descent goes only part of that way, or straight towards the origin by g, which is always free.
+//! Every place is asked exactly.
 
+use super::cover::ForbiddenBall;
 use super::interval::OutOfBudget;
 use super::posed_pair::PosedPair;
 use crate::exact::power_of_two;
@@ -20,12 +23,28 @@ pub(super) struct WayOut {
     /// Number of directions tried about the best one since it changed, and how far from it.
     beside: usize,
     reach: f64,
+    /// Whether the bodies touch after the best translation.
+    is_touching: bool,
 }
 
 /// A descent begins at this fraction of the best translation's length.
 const SHORTER: f64 = 0.98;
 const MOST_STEPS: usize = 24;
+/// Where nothing is known to be forbidden, the search along a direction begins at this fraction of the way that is
+/// always enough.
+const LEAST: f64 = power_of_two(-12);
+/// The first step beyond what is forbidden; the next ones double.
+const FIRST_AHEAD: f64 = power_of_two(-4);
+const MOST_AHEAD: usize = 40;
+/// While the lower bound still grows, only a way out that may be as short as this multiple of it is shortened.
+const PROMISING: f64 = 1.25;
+const MOST_HALVINGS: usize = 8;
+/// Relative tolerances of gaps on the way to the bodies, and where they are to touch.
+const ROUGH: f64 = power_of_two(-3);
+const FINE: f64 = power_of_two(-10);
 /// A descent ends at a gap of this fraction of the translation.
+const NEAR: f64 = power_of_two(-7);
+/// So does the last one, from the best translation of all.
 const TOUCHING: f64 = power_of_two(-37);
 /// What remains of a gap, relatively: more than the rounding of the verdict.
 const KEPT: f64 = power_of_two(-30);
@@ -36,11 +55,18 @@ const NEAREST: f64 = 0.02;
 
 impl WayOut {
     pub(super) const fn new() -> Self {
-        Self { upper: f64::INFINITY, translation: [0.0; 3], fixed: 0, beside: 0, reach: 0.4 }
+        Self {
+            upper: f64::INFINITY,
+            translation: [0.0; 3],
+            fixed: 0,
+            beside: 0,
+            reach: 0.4,
+            is_touching: false,
+        }
     }
 
     pub(super) const fn is_exhausted(&self) -> bool {
-        self.fixed >= FIXED && self.reach < NEAREST
+        self.fixed >= FIXED && self.reach < NEAREST && self.is_touching
     }
 
     fn accept(&mut self, t: &Point) {
@@ -48,20 +74,29 @@ impl WayOut {
         if upper < self.upper {
             (self.upper, self.translation) = (upper, *t);
             (self.beside, self.reach) = (0, f64::min(self.reach * 2.0, 0.4));
+            self.is_touching = false;
         }
     }
 
     /// Tries a fixed direction, or if there are no more, one near the best.
-    pub(super) fn try_next(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
+    pub(super) fn try_next(
+        &mut self,
+        cover: &ForbiddenBall,
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
         if self.fixed < FIXED {
             // The 27 cells of a cube without the middle one.
             let code = self.fixed + usize::from(self.fixed >= 13);
             let cell = [code % 3, code / 3 % 3, code / 9].map(|x| x as f64 - 1.0);
-            self.try_along(&cell, bodies)?;
+            self.try_along(&cell, cover, bodies)?;
             self.fixed += 1;
-        } else if !self.is_exhausted()
-            && let Some(best) = unit(&self.translation)
-        {
+        } else if self.reach < NEAREST {
+            self.touch(bodies)?;
+        } else {
+            let Some(best) = unit(&self.translation) else {
+                self.reach = 0.0;
+                return Ok(());
+            };
             let axis = if best[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
             let x = unit(&cross(&best, &axis)).unwrap_or(axis);
             let y = cross(&best, &x);
@@ -72,7 +107,7 @@ impl WayOut {
             let (u, v) = (u * self.reach, v * self.reach);
             let direction = core::array::from_fn(|i| best[i] + (u * x[i] + v * y[i]));
             let upper = self.upper;
-            self.try_along(&direction, bodies)?;
+            self.try_along(&direction, cover, bodies)?;
             if self.upper >= upper {
                 self.beside += 1;
                 if self.beside == BESIDE {
@@ -83,27 +118,83 @@ impl WayOut {
         Ok(())
     }
 
-    /// Descends along a direction, if the bodies are free there at less than the best translation.
+    /// Looks along a direction for a place where the bodies are free, from what is known to be forbidden to a little
+    /// less than the best translation, and descends from there.
     pub(super) fn try_along(
         &mut self,
         direction: &Point,
+        cover: &ForbiddenBall,
         bodies: &mut impl PosedPair,
     ) -> Result<(), OutOfBudget> {
         let Some(along) = unit(direction) else { return Ok(()) };
-        let start = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
-        let mut t = along.map(|x| x * start);
-        if !bodies.is_free(&t)? {
+        let most = if self.upper < f64::INFINITY { SHORTER * self.upper } else { bodies.far() };
+        let forbidden = cover.along(&along);
+        if forbidden >= most {
             return Ok(());
         }
-        self.accept(&t);
+        let forbidden = f64::max(forbidden, LEAST * bodies.far());
+        let (mut hit, mut ahead) = (forbidden, FIRST_AHEAD * forbidden);
+        for _ in 0..MOST_AHEAD {
+            let far = f64::min(forbidden + ahead, most);
+            let t = along.map(|x| x * far);
+            if bodies.is_free(&t)? {
+                self.accept(&t);
+                let is_worth = cover.is_final || hit <= PROMISING * cover.lower();
+                return if is_worth { self.approach(&along, [hit, far], bodies) } else { Ok(()) };
+            }
+            if far >= most {
+                break;
+            }
+            (hit, ahead) = (far, 2.0 * ahead);
+        }
+        Ok(())
+    }
+
+    /// Halves the way between a place along a direction where the bodies meet and a free one, and descends from there.
+    fn approach(
+        &mut self,
+        along: &Point,
+        [mut hit, mut free]: [f64; 2],
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
+        for _ in 0..MOST_HALVINGS {
+            if free - hit <= NEAR * free {
+                break;
+            }
+            let middle = 0.5 * (hit + free);
+            let t = along.map(|x| x * middle);
+            if bodies.is_free(&t)? {
+                free = middle;
+                self.accept(&t);
+            } else {
+                hit = middle;
+            }
+        }
+        self.descend(along.map(|x| x * free), NEAR, bodies)
+    }
+
+    /// Descends from the best translation until the bodies touch.
+    pub(super) fn touch(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
+        if !self.is_touching && self.upper < f64::INFINITY {
+            let (beside, reach) = (self.beside, self.reach);
+            self.descend(self.translation, TOUCHING, bodies)?;
+            (self.beside, self.reach) = (beside, reach);
+        }
+        self.is_touching = true;
+        Ok(())
+    }
+
+    /// From a free translation, until the gap is this small.
+    fn descend(&mut self, mut t: Point, until: f64, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         for _ in 0..MOST_STEPS {
-            let Some((gap, normal)) = bodies.gap(&t)? else { break };
+            let tolerance = if until < NEAR { FINE } else { ROUGH };
+            let Some((gap, normal)) = bodies.gap(&t, tolerance)? else { break };
             let (far, gap) = (length(&t), gap * (1.0 - KEPT));
-            if gap <= TOUCHING * far {
+            let ahead = dot(&normal, &t) - gap;
+            if gap <= until * far && ahead >= (1.0 - NEAR) * far {
                 break;
             }
             let straight = t.map(|x| x * (1.0 - gap / far));
-            let ahead = dot(&normal, &t) - gap;
             let mut next = None;
             if ahead > 0.0 {
                 for share in [1.0, 0.5, 0.2] {
@@ -138,7 +229,7 @@ pub(super) fn along(direction: &Point, bodies: &mut impl PosedPair) -> Result<f6
             break;
         }
         best = far;
-        let Some((gap, _)) = bodies.gap(&at(far))? else { break };
+        let Some((gap, _)) = bodies.gap(&at(far), FINE)? else { break };
         if far == 0.0 || gap <= smallest {
             break;
         }

@@ -111,7 +111,7 @@ impl Volume {
         }
     }
 
-    /// What [`Self::distances`] needs of the shape.
+    /// What [`Self::bounds`] needs of the shape.
     #[inline(always)]
     pub(super) fn gaps<N: Lanes>(&self, shape: &Shape) -> Gaps<N> {
         let Self::Dop { body, reach } = self else { return Gaps { planes: N::NO_PLANES, own: None } };
@@ -142,33 +142,41 @@ impl Volume {
         }
     }
 
-    /// Lower bounds of the distances of the children; infinite for unused lanes.
+    /// Lower bounds of the children, in the order of their distances; infinite for unused lanes.
     #[inline(always)]
-    pub(super) fn distances<N: Lanes>(&self, gaps: &Gaps<N>, node: &N) -> [f64; 16] {
-        let mut distances = [f64::INFINITY; 16];
+    pub(super) fn bounds<N: Lanes>(&self, gaps: &Gaps<N>, node: &N) -> [f64; 16] {
+        let mut bounds = [f64::INFINITY; 16];
         match self {
-            Self::Dop { body, .. } => {
+            Self::Dop { .. } => {
                 let mut entries = node.gaps_of_planes(&gaps.planes, 1.0);
                 if let Some(own) = &gaps.own {
                     node.raise(&mut entries, own);
                 }
                 for entry in entries {
                     if entry != Entry::NONE {
-                        let square = f64::from(entry.bound());
-                        distances[entry.lane()] =
-                            if square > 0.0 { libm::sqrt(square) / body.frame.scale() } else { 0.0 };
+                        bounds[entry.lane()] = f64::from(entry.bound());
                     }
                 }
             }
             Self::HalfSpace { .. } => {
                 for (lane, child) in node.children().iter().enumerate() {
                     if *child != Child::EMPTY {
-                        distances[lane] = self.distance_of(node, lane);
+                        bounds[lane] = self.distance_of(node, lane);
                     }
                 }
             }
         }
-        distances
+        bounds
+    }
+
+    /// The lower bound of a distance that belongs to one of [`Self::bounds`].
+    #[inline(always)]
+    pub(super) fn distance(&self, bound: f64) -> f64 {
+        match self {
+            Self::Dop { body, .. } if bound > 0.0 => libm::sqrt(bound) / body.frame.scale(),
+            Self::Dop { .. } => 0.0,
+            Self::HalfSpace { .. } => bound,
+        }
     }
 
     /// Lower bound of the distance of child `lane` from a half-space.

@@ -163,7 +163,7 @@ where
                     return NearestPrimitive { lower: 0.0, is_complete: false, ..best };
                 }
                 stats.visits += 1;
-                path[levels] = (node, volume.distances(&gaps, &tree.nodes()[node as usize]));
+                path[levels] = (node, volume.bounds(&gaps, &tree.nodes()[node as usize]));
                 levels += 1;
             }
             Link::Leaf { .. } => {
@@ -188,12 +188,12 @@ where
         let most = if best.found.is_some() { limit / (1.0 + tolerance) } else { limit };
         loop {
             let Some(level) = levels.checked_sub(1) else { return best };
-            let (node, distances) = &mut path[level];
+            let (node, bounds) = &mut path[level];
             let mut lane = 0;
-            for (other, distance) in distances.iter().enumerate() {
-                lane = if *distance < distances[lane] { other } else { lane };
+            for (other, bound) in bounds.iter().enumerate() {
+                lane = if *bound < bounds[lane] { other } else { lane };
             }
-            let distance = core::mem::replace(&mut distances[lane], f64::INFINITY);
+            let distance = volume.distance(core::mem::replace(&mut bounds[lane], f64::INFINITY));
             if distance > most || distance == f64::INFINITY {
                 // So are all others of this node.
                 best.lower = best.lower.min(distance);
