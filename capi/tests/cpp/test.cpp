@@ -391,7 +391,7 @@ void paths(const simdop::planner &planner, const std::array<double, 4> &start, c
 
     std::array<double, 4> meeting{}, apart{};
     const simdop::body_id hand = must(planner.link("hand"));
-    const auto report = must(planner.classify_pair(workspace, hand, post, 1000, meeting, apart));
+    const auto report = must(planner.classify_pair(workspace, hand, post, 100000, meeting, apart));
     EXPECT(report.pair_class == SIMDOP_PAIR_CLASS_SOMETIMES && report.has_meeting && report.has_free);
     EXPECT(must(planner.within(workspace, meeting)).verdict == SIMDOP_VERDICT_HIT);
 
