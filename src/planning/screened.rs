@@ -147,18 +147,31 @@ impl PlanningScene {
             }
             return Ok(());
         };
-        for (free, values) in free.chunks_mut(LANES).zip(values.chunks(LANES * length)) {
-            let lanes = self.fill_lanes(workspace, values, &mut doubts)?;
-            let decided = screen.decide(self.query.isa(), lanes, &mut doubts);
-            for (lane, (free, values)) in free.iter_mut().zip(values.chunks(length)).enumerate() {
-                *free = if (decided.free | decided.hit) >> lane & 1 == 1 {
-                    decided.free >> lane & 1 == 1
-                } else {
-                    self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, &doubts))?
-                };
-            }
-        }
+        let mut sixteen = free.chunks_mut(LANES).zip(values.chunks(LANES * length));
+        let found = sixteen
+            .try_for_each(|(free, values)| self.free_of_lanes(workspace, values, free, screen, &mut doubts));
         workspace.doubts = Some(doubts);
+        found
+    }
+
+    /// As [`PlanningScene::free_of_job`], of up to sixteen.
+    fn free_of_lanes(
+        &self,
+        workspace: &mut Workspace,
+        values: &[f64],
+        free: &mut [bool],
+        screen: &Screen,
+        doubts: &mut Doubts,
+    ) -> Result<(), PlanningError> {
+        let lanes = self.fill_lanes(workspace, values, doubts)?;
+        let decided = screen.decide(self.query.isa(), lanes, doubts);
+        for (lane, (free, values)) in free.iter_mut().zip(values.chunks(self.variables())).enumerate() {
+            *free = if (decided.free | decided.hit) >> lane & 1 == 1 {
+                decided.free >> lane & 1 == 1
+            } else {
+                self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, doubts))?
+            };
+        }
         Ok(())
     }
 
