@@ -61,10 +61,10 @@ pub use planner::{
     simdop_planner, simdop_planner_allow_collision, simdop_planner_attach, simdop_planner_check_motion,
     simdop_planner_check_states, simdop_planner_clearance, simdop_planner_copy, simdop_planner_destroy,
     simdop_planner_detach, simdop_planner_forbid_collision, simdop_planner_insert, simdop_planner_limits,
-    simdop_planner_link, simdop_planner_load, simdop_planner_place, simdop_planner_place_base,
-    simdop_planner_remove, simdop_planner_select_group, simdop_planner_signed_clearance,
-    simdop_planner_variables, simdop_planner_within, simdop_workspace, simdop_workspace_create,
-    simdop_workspace_destroy,
+    simdop_planner_link, simdop_planner_load, simdop_planner_near_robot, simdop_planner_place,
+    simdop_planner_place_base, simdop_planner_remove, simdop_planner_select_group,
+    simdop_planner_signed_clearance, simdop_planner_variables, simdop_planner_within, simdop_workspace,
+    simdop_workspace_create, simdop_workspace_destroy,
 };
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{
