@@ -1,29 +1,40 @@
-//! Configurations decided by bounds, sixteen at a time, against the scene: `cargo bench --bench lanes --features
-//! planning`. Two minutes.
+//! Configurations decided by bounds, sixteen at a time, against the scene and against spheres: `cargo bench --bench
+//! lanes --features planning`. Three minutes.
 //!
 //! The Panda and the UR5 on some problems of MotionBenchMaker, at random configurations, on one core. *Scene* decides
 //! each by the scene; *bounds* is the same call after `use_bounds`, with the verdicts compared; *bounds alone* leaves
-//! open what the bounds do not decide. The three alternate; medians of nine rounds.
+//! open what the bounds do not decide. *VAMP-like* decides by VAMP's sphere models of the robots, against the same
+//! obstacles as shapes (`lanes/sphere_checker.rs`). All alternate; of 256 configurations
+//! the least of nine rounds, and of these the medians.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/page.rs"]
+mod page;
+#[path = "lanes/plot.rs"]
+mod plot;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/robots.rs"]
 mod robots;
 #[path = "support/short.rs"]
 mod short;
+#[path = "lanes/sphere_checker.rs"]
+mod sphere_checker;
 
 use data::directory;
+use page::show;
+use plot::Mark;
 use rng::Rng;
-use robots::{SETTINGS, Setting};
+use robots::{Problem, SETTINGS, Setting};
 use short::count;
-use simdop::planning::{PlanningScene, RobotFiles};
+use simdop::planning::{PlanningScene, RobotFiles, RobotModel};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::scene::Body;
+use sphere_checker::{SphereRobot, SphereWorld};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -35,12 +46,50 @@ const CELL: f64 = 0.02;
 const ROUNDS: usize = 9;
 /// Configurations of a problem, in the long form.
 const MANY: usize = 2048;
+/// Configurations of a measurement: less than a time slice of the system.
+const RUN: usize = 256;
+/// The checkers: microseconds a configuration are in this order.
+const NAMES: [&str; 4] = ["scene", "bounds", "bounds alone", "VAMP-like"];
+
+/// What was measured of a robot.
+#[derive(Default)]
+struct Figures {
+    name: &'static str,
+    spheres: usize,
+    dropped: usize,
+    times: [Vec<f64>; 4],
+    /// Seconds for all bounds of the first problem, for those of another, and after an object was moved.
+    first: f64,
+    builds: Vec<f64>,
+    updates: Vec<f64>,
+    bytes: usize,
+    all: usize,
+    /// By whether bounds decide, and whether it is free.
+    shares: [[usize; 2]; 2],
+    /// By spheres: free ones that they call hits, and hits that they call free.
+    wrong: [usize; 2],
+    /// Pairs of bodies that meet where bounds leave a configuration open.
+    open: BTreeMap<String, usize>,
+}
 
 fn main() {
+    page::begin(
+        "Configurations in lanes",
+        "Microseconds a configuration, random configurations among the obstacles of MotionBenchMaker, one core, \
+         kinematics included: of 256 of them the least of nine rounds, and of these the medians. *Scene*: `PlanningScene::free`. *Bounds*: the same after `use_bounds` with cells \
+         of 2 cm; no verdict differs. *Bounds alone*: what the bounds do not decide stays open. *VAMP-like*: VAMP's \
+         sphere models of the robots, sixteen configurations at a time in `f32`, against the same boxes and cylinders; \
+         an end as soon as all sixteen are hits. Pairs of links whose spheres meet in all of 4,096 configurations are \
+         not tested.",
+    );
     let Some(folder) = directory() else { return };
-    for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
-        run(&folder, setting);
+    let settings = SETTINGS.iter().filter(|setting| !setting.is_drawn);
+    let mut all: Vec<Figures> = settings.map(|setting| measure(&folder, setting)).collect();
+    let marks = print(&mut all);
+    if page::is_wanted() {
+        plot::plot(&page::folder().join("lanes.svg"), &marks);
     }
+    page::write();
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
@@ -49,83 +98,152 @@ fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     (start.elapsed().as_secs_f64(), result)
 }
 
-fn run(folder: &Path, setting: &Setting) {
+fn scene_of(model: &Arc<RobotModel>, problem: &Problem) -> PlanningScene {
+    let mut scene = PlanningScene::new(Arc::clone(model)).unwrap();
+    for obstacle in &problem.obstacles {
+        let at = Pose::try_from(obstacle.at).unwrap();
+        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
+    }
+    scene
+}
+
+fn measure(folder: &Path, setting: &Setting) -> Figures {
     let at = folder.join("robots").join(setting.robot);
     let file = |extension: &str| at.join(format!("{}.{extension}", setting.robot));
     let model = Arc::new(RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap());
-    let (rounds, many) = (count(ROUNDS, 1), count(MANY, 128));
+    let mut spheres = SphereRobot::read(&at, setting.robot, &model.robot().variables);
     let mut rng = Rng::new(3);
-    let mut times: [Vec<f64>; 3] = Default::default();
-    let (mut shares, mut builds, mut updates, mut bytes) = ([0; 4], Vec::new(), Vec::new(), 0);
-    let mut open = BTreeMap::new();
-    let problems = setting.problems(folder, &setting.robot(folder), count(70, 350));
-    for problem in &problems {
-        let mut scene = PlanningScene::new(Arc::clone(&model)).unwrap();
-        for obstacle in &problem.obstacles {
-            let at = Pose::try_from(obstacle.at).unwrap();
-            let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-        }
+    let mut random = |scene: &PlanningScene, count: usize| -> Vec<f64> {
+        (0..count).flat_map(|_| scene.random(|| rng.range(0.0, 1.0))).collect()
+    };
+    let empty = PlanningScene::new(Arc::clone(&model)).unwrap();
+    let dropped = spheres.drop_pairs_that_always_meet(&random(&empty, 4096));
+    let mut found = Figures { name: setting.name, spheres: spheres.spheres(), dropped, ..Figures::default() };
+    for problem in &setting.problems(folder, &setting.robot(folder), count(70, 350)) {
+        let (scene, world) = (scene_of(&model, problem), SphereWorld::new(&problem.obstacles));
         let mut bounded = scene.clone();
         let (time, ()) = timed(|| bounded.use_bounds(CELL).unwrap());
-        if builds.is_empty() {
-            println!("{}: spheres, tables and cells made in {time:.2} s", setting.name);
+        if found.first == 0.0 {
+            found.first = time;
+            println!("{}: all bounds made in {time:.2} s", setting.name);
+        } else {
+            found.builds.push(time);
         }
-        builds.push(time);
-        let values: Vec<f64> = (0..many).flat_map(|_| scene.random(|| rng.range(0.0, 1.0))).collect();
-        for _ in 0..rounds {
-            let (time, exact) = timed(|| scene.free(&values).unwrap());
-            times[0].push(time);
-            let (time, found) = timed(|| bounded.free(&values).unwrap());
-            times[1].push(time);
-            let (time, decided) = timed(|| bounded.free_by_bounds(&values).unwrap());
-            times[2].push(time);
-            let wrong = exact.iter().zip(&found).filter(|(a, b)| a != b).count();
-            assert_eq!(wrong, 0, "verdicts differ");
-            if times[0].len().is_multiple_of(rounds) {
-                let mut workspace = scene.workspace();
-                for ((decided, exact), values) in
-                    decided.iter().zip(&exact).zip(values.chunks(scene.variables()))
-                {
-                    assert!(decided.is_none_or(|decided| decided == *exact), "a bound is wrong");
-                    shares[usize::from(decided.is_some()) + 2 * usize::from(*exact)] += 1;
-                    if decided.is_none() {
-                        for hit in scene.hits(&mut workspace, values, 0.0).unwrap() {
-                            let name = format!("{} {}", scene.name(hit.a), scene.name(hit.b));
-                            *open.entry(name).or_insert(0) += 1;
-                        }
-                    }
+        let values = random(&scene, count(MANY, 128));
+        for values in values.chunks(RUN * scene.variables()) {
+            // Of some rounds the least: others may use the core.
+            let mut least = [f64::INFINITY; 4];
+            for round in 0..count(ROUNDS, 1) {
+                let (exact_time, exact) = timed(|| scene.free(values).unwrap());
+                let (bounds_time, by_bounds) = timed(|| bounded.free(values).unwrap());
+                let (alone_time, decided) = timed(|| bounded.free_by_bounds(values).unwrap());
+                let (spheres_time, by_spheres) = timed(|| spheres.free(&world, values));
+                let times = [exact_time, bounds_time, alone_time, spheres_time];
+                for (least, time) in least.iter_mut().zip(times) {
+                    *least = least.min(time * 1e6 / exact.len() as f64);
+                }
+                assert!(exact == by_bounds, "verdicts differ");
+                if round == 0 {
+                    found.compare(&scene, values, &exact, &decided, &by_spheres);
                 }
             }
+            for (all, least) in found.times.iter_mut().zip(least) {
+                all.push(least);
+            }
         }
-        bytes = bytes.max(bounded.bound_bytes().unwrap_or(0));
+        found.bytes = found.bytes.max(bounded.bound_bytes().unwrap_or(0));
         let cup = Body::new(Shape::cylinder(0.04, 0.12).unwrap()).fixed();
         let place =
             |x: f64| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.2], [0.0, 0.0, 1.0, 0.5]]);
         let cup = bounded.insert("cup", cup, &place(0.5).unwrap()).unwrap();
-        updates.push(timed(|| bounded.place(cup, &place(0.4).unwrap()).unwrap()).0);
+        found.updates.push(timed(|| bounded.place(cup, &place(0.4).unwrap()).unwrap()).0);
     }
-    let median = |times: &mut Vec<f64>, unit: f64| {
-        times.sort_by(f64::total_cmp);
-        times[times.len() / 2] * unit
-    };
-    let per = 1e6 / many as f64;
-    let of = |count: usize| 100.0 * count as f64 / (problems.len() * many) as f64;
-    let [exact, bounds, alone] = times.each_mut().map(|times| median(times, per));
-    println!(
-        "{}: us a configuration, medians: scene {exact:.3}, bounds {bounds:.3}, bounds alone {alone:.3}",
-        setting.name
+    found
+}
+
+impl Figures {
+    fn compare(
+        &mut self,
+        scene: &PlanningScene,
+        values: &[f64],
+        exact: &[bool],
+        decided: &[Option<bool>],
+        by_spheres: &[bool],
+    ) {
+        let mut workspace = scene.workspace();
+        self.all += exact.len();
+        for (i, values) in values.chunks(scene.variables()).enumerate() {
+            assert!(decided[i].is_none_or(|decided| decided == exact[i]), "a bound is wrong");
+            self.shares[usize::from(decided[i].is_some())][usize::from(exact[i])] += 1;
+            if exact[i] != by_spheres[i] {
+                self.wrong[usize::from(by_spheres[i])] += 1;
+            }
+            if decided[i].is_none() {
+                for hit in scene.hits(&mut workspace, values, 0.0).unwrap() {
+                    let name = format!("{} {}", scene.name(hit.a), scene.name(hit.b));
+                    *self.open.entry(name).or_insert(0) += 1;
+                }
+            }
+        }
+    }
+
+    fn percent(&self, count: usize) -> f64 {
+        100.0 * count as f64 / self.all as f64
+    }
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Shows the tables. Returns what the plot shows.
+fn print(all: &mut [Figures]) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    show!(
+        "| robot | {} | spheres | wrong by spheres, % | free ones called hits, % | hits called free, % |",
+        NAMES.join(" | ")
     );
-    let [open_hits, hits, open_free, free] = shares.map(of);
-    println!(
-        "  % of configurations: free by bounds {free:.1}, free by the scene {open_free:.1}, hit by bounds {hits:.1}, \
-         hit by the scene {open_hits:.1}"
+    show!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
+    for (robot, of) in all.iter_mut().enumerate() {
+        let times = of.times.each_mut().map(|times| median(times));
+        let [hits, free] = of.wrong.map(|count| of.percent(count));
+        show!(
+            "| {} | {:.3} | {:.3} | {:.3} | {:.3} | {} | {:.2} | {hits:.2} | {free:.2} |",
+            of.name,
+            times[0],
+            times[1],
+            times[2],
+            times[3],
+            of.spheres,
+            hits + free
+        );
+        for (i, wrong) in [(0, 0.0), (1, 0.0), (3, hits + free)] {
+            marks.push(Mark { robot, text: format!("{}, {}", of.name, NAMES[i]), time: times[i], wrong });
+        }
+    }
+    show!("\n![time against wrong verdicts](lanes.svg)\n");
+    show!("Who decides, in percent of the configurations, and what the bounds take:\n");
+    show!(
+        "| robot | free by bounds | free by the scene | hit by bounds | hit by the scene | first bounds, s | bounds \
+         of another world, ms | one object moved, ms | bytes | pairs of links without spheres' test |"
     );
-    println!(
-        "  all cells made in {:.1} ms, one object moved in {:.1} ms (medians); {bytes} bytes at most",
-        median(&mut builds, 1e3),
-        median(&mut updates, 1e3)
-    );
-    let mut open: Vec<_> = open.into_iter().collect();
-    open.sort_by_key(|(_, count)| core::cmp::Reverse(*count));
-    println!("  pairs of bodies that meet where bounds do not say so: {:?}", &open[..open.len().min(12)]);
+    show!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    for of in all.iter_mut() {
+        let [[open_hits, open_free], [hits, free]] =
+            of.shares.map(|of_two| of_two.map(|count| of.percent(count)));
+        show!(
+            "| {} | {free:.1} | {open_free:.1} | {hits:.1} | {open_hits:.1} | {:.1} | {:.1} | {:.1} | {} | {} |",
+            of.name,
+            of.first,
+            1e3 * median(&mut of.builds),
+            1e3 * median(&mut of.updates),
+            of.bytes,
+            of.dropped,
+        );
+        let mut open: Vec<_> = of.open.iter().collect();
+        open.sort_by_key(|(_, count)| core::cmp::Reverse(**count));
+        println!("  meet where bounds do not say so: {:?}", &open[..open.len().min(40)]);
+    }
+    marks
 }

@@ -7,7 +7,7 @@
 mod cpu;
 
 use simdop::isa::Isa;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
 
@@ -45,18 +45,24 @@ pub(crate) fn is_wanted() -> bool {
     std::env::var_os("SIMDOP_PAGES").is_some_and(|value| value == "1")
 }
 
-/// Writes the page, if pages are.
-pub(crate) fn write() {
-    if !is_wanted() {
-        return;
-    }
+/// The folder of pages.
+pub(crate) fn folder() -> PathBuf {
     let folder = if std::env::args().any(|argument| argument == "--test") {
         Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("results-short")
     } else {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/results")
     };
-    let text = TEXT.lock().expect("showing does not panic");
     std::fs::create_dir_all(&folder).expect("the folder of pages can be made");
+    folder
+}
+
+/// Writes the page, if pages are.
+pub(crate) fn write() {
+    if !is_wanted() {
+        return;
+    }
+    let folder = folder();
+    let text = TEXT.lock().expect("showing does not panic");
     let file = folder.join(env!("CARGO_CRATE_NAME")).with_extension("md");
     std::fs::write(&file, format!("{}\n", text.trim_end())).expect("the page can be written");
     println!("{}", file.display());
@@ -67,7 +73,8 @@ fn command() -> String {
     let features = [
         ("gpu", cfg!(feature = "gpu")),
         ("rayon", cfg!(feature = "rayon")),
-        ("urdf", cfg!(feature = "urdf")),
+        ("urdf", cfg!(all(feature = "urdf", not(feature = "planning")))),
+        ("planning", cfg!(feature = "planning")),
     ];
     let features: Vec<&str> = features.iter().filter(|(_, is_on)| *is_on).map(|(name, _)| *name).collect();
     // Cargo adds `--bench`.

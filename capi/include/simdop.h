@@ -2270,6 +2270,26 @@ simdop_error simdop_planner_check_states(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
+ * Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside of it: what
+ * a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is not finite is
+ * not near. `values` has a number for each variable that is planned for, and `points` three for each point. `near` has
+ * room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are.
+ *
+ * # Safety
+ * The arrays have these lengths.
+ */
+simdop_error simdop_planner_near_robot(const simdop_planner *planner,
+                                       simdop_workspace *workspace,
+                                       const double *values,
+                                       const float *points,
+                                       size_t point_count,
+                                       double margin,
+                                       uint8_t *near,
+                                       size_t *count);
+#endif
+
+#if defined(SIMDOP_PLANNING)
+/**
  * Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
  * around. `from` and `to` have a number for each variable that is planned for.
  *

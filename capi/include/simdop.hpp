@@ -1219,6 +1219,18 @@ class planner {
         });
     }
 
+    /* Which points, three numbers each, are within the margin of the robot? Returns how many. */
+    result<std::size_t> near_robot(workspace &workspace, view<const double> values, view<const float> points,
+                                   double margin, view<std::uint8_t> near) const {
+        if (values.size() != variables() || points.size() != 3 * near.size()) {
+            return detail::failure(SIMDOP_ERROR_MOTION_LENGTH);
+        }
+        return detail::answer<std::size_t>([&](std::size_t *count) {
+            return simdop_planner_near_robot(get(), workspace.get(), values.data(), points.data(), near.size(), margin,
+                                             near.data(), count);
+        });
+    }
+
     /* Is the straight motion free at all times? */
     result<simdop_motion_answer> check_motion(workspace &workspace, view<const double> from,
                                               view<const double> to) const {

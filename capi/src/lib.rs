@@ -65,12 +65,12 @@ pub use planner::{
     simdop_planner_clearance_gradient, simdop_planner_copy, simdop_planner_destroy, simdop_planner_detach,
     simdop_planner_each_hit, simdop_planner_forbid_collision, simdop_planner_free_share,
     simdop_planner_get_group, simdop_planner_get_variable, simdop_planner_groups, simdop_planner_insert,
-    simdop_planner_limits, simdop_planner_link, simdop_planner_load, simdop_planner_place,
-    simdop_planner_place_base, simdop_planner_plan, simdop_planner_random_free, simdop_planner_remove,
-    simdop_planner_select_group, simdop_planner_set_budget, simdop_planner_set_resolution,
-    simdop_planner_signed_clearance, simdop_planner_to_world, simdop_planner_use_bounds,
-    simdop_planner_variables, simdop_planner_within, simdop_random, simdop_workspace,
-    simdop_workspace_create, simdop_workspace_destroy,
+    simdop_planner_limits, simdop_planner_link, simdop_planner_load, simdop_planner_near_robot,
+    simdop_planner_place, simdop_planner_place_base, simdop_planner_plan, simdop_planner_random_free,
+    simdop_planner_remove, simdop_planner_select_group, simdop_planner_set_budget,
+    simdop_planner_set_resolution, simdop_planner_signed_clearance, simdop_planner_to_world,
+    simdop_planner_use_bounds, simdop_planner_variables, simdop_planner_within, simdop_random,
+    simdop_workspace, simdop_workspace_create, simdop_workspace_destroy,
 };
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{

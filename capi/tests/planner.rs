@@ -63,6 +63,19 @@ fn answers_are_the_librarys() {
     });
     let count = count.unwrap();
     assert!(count > 5 && count < 95, "{count}");
+    let points: Vec<[f32; 3]> = (0..300).map(|i| [0.0, 0.01 * (i % 40) as f32, 0.005 * i as f32]).collect();
+    let mut near = [2; 300];
+    let near_count = answer(|count| {
+        let (at, to) = (points.as_ptr().cast(), near.as_mut_ptr());
+        // SAFETY: there are three numbers and a byte for each point, and a value for each variable.
+        unsafe {
+            let (c, workspace) = (Some(&*c), Some(&mut *workspace));
+            simdop_planner_near_robot(c, workspace, values.as_ptr(), at, 300, 0.05, to, count)
+        }
+    });
+    let expected = rust.near_robot(&mut rust_workspace, &values[..variables], &points, 0.05).unwrap();
+    assert_eq!(near.map(|near| near == 1).to_vec(), expected);
+    assert_eq!(near_count.unwrap(), expected.iter().filter(|near| **near).count());
     let mut motions = [0; 3];
     for (i, two) in values.chunks(2 * variables).enumerate() {
         let (from, to) = two.split_at(variables);
@@ -516,6 +529,11 @@ fn null_is_an_error() {
         let states =
             answer(|a| unsafe { simdop_planner_check_states(planner, workspace(), values, 1, to, a) });
         errors.push(states.unwrap_err());
+        // SAFETY: as above.
+        let filter = answer(|a| unsafe {
+            simdop_planner_near_robot(planner, workspace(), values, null(), 1, 0.0, to, a)
+        });
+        errors.push(filter.unwrap_err());
         // SAFETY: as above.
         let motion = answer(|a| unsafe { simdop_planner_check_motion(planner, workspace(), values, v, a) });
         errors.push(motion.unwrap_err());

@@ -1,6 +1,6 @@
 //! `simdop.PlanningScene`.
 
-use crate::arrays::{array, pose, rows_of, table, vector};
+use crate::arrays::{array, pose, rows_of, single_rows, table, vector};
 use crate::batch::all_with;
 use crate::body::PyBody;
 use crate::error::{OrRaise, raise_as, raised};
@@ -367,6 +367,25 @@ impl PyPlanningScene {
             let hits = scene.hits(self.workspace(&scene).get(), &values, margin).or_raise()?;
             Ok(hits.iter().map(|hit| (scene.name(hit.a).to_owned(), scene.name(hit.b).to_owned())).collect())
         })
+    }
+
+    /// Whether each of m points of the world, (m, 3), is within ``margin`` of the robot in a configuration, or inside of
+    /// it: what a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is
+    /// not finite is not near.
+    #[pyo3(signature = (values, points, *, margin = 0.0))]
+    fn near_robot<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+        points: &Bound<'py, PyAny>,
+        margin: f64,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let (values, points) = (vector(values, "values")?, single_rows::<3>(points, "points")?);
+        let near = py.detach(|| {
+            let scene = self.read();
+            scene.near_robot(self.workspace(&scene).get(), &values, &points, margin).or_raise()
+        })?;
+        Ok(array(py, near))
     }
 
     /// The least distance between two tested bodies, up to ``cutoff``, with its gradient. ``tolerance`` is that of

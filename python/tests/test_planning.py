@@ -71,6 +71,26 @@ def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.r
         assert (planning.free(many, threads=threads) == free).all()
 
 
+def test_points_near_the_robot_are_those_of_closed_forms(
+    files: tuple[Path, Path], rng: np.random.Generator
+) -> None:
+    planning = PlanningScene(*files)
+    planning.add("post", Body.cylinder(0.4, 1.0), at(1.2, 0.8))
+    points = rng.uniform([-2, -2, -0.3], [2, 2, 0.3], size=(2000, 3)).astype(np.float32)
+    for margin in [0.0, 0.1]:
+        q = rng.uniform(-3, 3, size=2)
+        gaps = []
+        for pose in link_poses(q):
+            seen = (points.astype(float) - pose[:3, 3]) @ pose[:3, :3] - [0.5, 0, 0]
+            gaps.append(np.linalg.norm(np.maximum(np.abs(seen) - [0.45, 0.05, 0.05], 0), axis=1))
+        near = np.min(gaps, axis=0) <= margin
+        assert 0 < near.sum() < 1000
+        assert (planning.near_robot(q, points, margin=margin) == near).all()
+    assert not planning.near_robot([0, 0], [[np.nan, 0, 0]]).any()
+    with pytest.raises(simdop.ArrayError):
+        planning.near_robot([0, 0], [[0, 0]])
+
+
 def test_gradients_are_those_of_differences(files: tuple[Path, Path], rng: np.random.Generator) -> None:
     planning = PlanningScene(*files)
     planning.add("ball", Body.sphere(0.2), at(1.2, 1.6, 0.3))

@@ -34,6 +34,7 @@ mod plan;
 mod scene;
 mod screen;
 mod screened;
+mod self_filter;
 mod workspace;
 
 pub use error::PlanningError;

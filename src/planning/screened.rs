@@ -149,12 +149,15 @@ impl PlanningScene {
             }
             return Ok(());
         };
-        let decided = self.free_by_screen(workspace, values, free, screen, &mut doubts);
+        let mut sixteen = free.chunks_mut(LANES).zip(values.chunks(LANES * length));
+        let found = sixteen
+            .try_for_each(|(free, values)| self.free_of_lanes(workspace, values, free, screen, &mut doubts));
         workspace.doubts = Some(doubts);
-        decided
+        found
     }
 
-    fn free_by_screen(
+    /// As [`PlanningScene::free_of_job`], of up to sixteen.
+    fn free_of_lanes(
         &self,
         workspace: &mut Workspace,
         values: &[f64],
@@ -162,17 +165,14 @@ impl PlanningScene {
         screen: &Screen,
         doubts: &mut Doubts,
     ) -> Result<(), PlanningError> {
-        let length = self.variables();
-        for (free, values) in free.chunks_mut(LANES).zip(values.chunks(LANES * length)) {
-            let lanes = self.fill_lanes(workspace, values, doubts)?;
-            let decided = screen.decide(self.query.isa(), lanes, doubts);
-            for (lane, (free, values)) in free.iter_mut().zip(values.chunks(length)).enumerate() {
-                *free = if (decided.free | decided.hit) >> lane & 1 == 1 {
-                    decided.free >> lane & 1 == 1
-                } else {
-                    self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, doubts))?
-                };
-            }
+        let lanes = self.fill_lanes(workspace, values, doubts)?;
+        let decided = screen.decide(self.query.isa(), lanes, doubts);
+        for (lane, (free, values)) in free.iter_mut().zip(values.chunks(self.variables())).enumerate() {
+            *free = if (decided.free | decided.hit) >> lane & 1 == 1 {
+                decided.free >> lane & 1 == 1
+            } else {
+                self.are_open_pairs_free(workspace, values, screen.open_pairs(lane, doubts))?
+            };
         }
         Ok(())
     }

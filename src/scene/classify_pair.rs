@@ -1,6 +1,9 @@
 //! Classifies a pair of bodies over all values of a robot's joints: does it meet never, always, or sometimes?
 //!
-//! The search tests a box of joint values at its middle. Anywhere in the box, no point of one body is nearer to a point
+//! Random values find most pairs that sometimes meet long before boxes of values do, and each costs a small part of a
+//! box. So some are tested first, and some more with each box. They are the same in every run.
+//!
+//! The search of boxes tests a box of joint values at its middle. Anywhere in the box, no point of one body is nearer to a point
 //! of the other than at the middle by more than the motion bound along the box's diagonal
 //! ([`Motion::motion_bound_between`]), which sums each joint's share. So two bodies that are farther apart than this at
 //! the middle are free in the whole box, and two whose triangles cross more deeply meet in the whole box. Any other box
@@ -8,15 +11,17 @@
 
 use super::ask::AskedPair;
 use super::body::{BodyId, BodyTree};
-use super::check_motion::motion_bound_of_pair;
+use super::check_motion::finite_or_infinite;
 use super::error::SceneError;
 use super::placement::Scene;
-use crate::motion::{JointMotion, Kinematics, LinkFrame, Motion};
+use crate::exact::power_of_two;
+use crate::motion::{CarriedBall, JointMotion, Kinematics, LinkFrame, Motion};
 use crate::node::Dop;
 use crate::pose::Pose;
 use crate::primitive::triangle::deep::cross_after;
 use crate::primitive::{Primitive, Triangles};
 use crate::query::{Lanes, Query, Verdict};
+use crate::random::SplitMix64;
 use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -46,6 +51,27 @@ pub struct PairReport {
     pub free: Option<Vec<f64>>,
     /// Number of boxes tested.
     pub boxes: usize,
+    /// Number of random configurations tested.
+    pub samples: usize,
+}
+
+/// Random configurations before the first box, with each box, and at most.
+const SAMPLES_FIRST: usize = 64;
+const SAMPLES_OF_A_BOX: usize = 8;
+const MOST_SAMPLES: usize = 1 << 16;
+
+impl PairReport {
+    /// Whether the two meet at some values, and not at others.
+    const fn is_both(&self) -> bool {
+        self.meeting.is_some() && self.free.is_some()
+    }
+
+    fn saw(&mut self, is_meeting: bool, values: impl FnOnce() -> Vec<f64>) {
+        let seen = if is_meeting { &mut self.meeting } else { &mut self.free };
+        if seen.is_none() {
+            *seen = Some(values());
+        }
+    }
 }
 
 /// Lower and upper values of the variables.
@@ -53,7 +79,8 @@ type Values = [Vec<f64>; 2];
 
 impl<N: Lanes> Scene<'_, N> {
     /// Whether two bodies meet within the limits of a robot's joints. `moving` lists the scene's bodies in the order of
-    /// the robot's bodies. All others stand still. Tests at most `boxes` boxes of values.
+    /// the robot's bodies. All others stand still. Tests at most `boxes` boxes of values, and eight times as many random
+    /// configurations, but at least 64 and at most 65,536.
     ///
     /// # Errors
     /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] of a body and itself, and
@@ -147,20 +174,25 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         let limits = self.robot.limits();
         let whole = [0, 1].map(|end| limits.iter().map(|limits| limits[end]).collect::<Vec<f64>>());
         let mut waiting = VecDeque::from([whole]);
-        let mut report = PairReport { fate: PairClass::Undecided, meeting: None, free: None, boxes: 0 };
+        let mut report =
+            PairReport { fate: PairClass::Undecided, meeting: None, free: None, boxes: 0, samples: 0 };
+        let (mut random, roots) = (SplitMix64(1), self.roots());
         while let Some(values) = waiting.pop_front() {
-            if report.boxes == most {
-                return Ok(report);
+            let samples = (SAMPLES_FIRST + SAMPLES_OF_A_BOX * report.boxes).min(MOST_SAMPLES);
+            while !report.is_both() && report.samples < samples {
+                report.samples += 1;
+                let values = self.go_to_random(&roots, &mut random)?;
+                report.saw(self.is_within(0.0)?, || values);
+            }
+            if report.is_both() || report.boxes == most {
+                break;
             }
             report.boxes += 1;
             self.go_to_middle(&values)?;
             let is_meeting = self.is_within(0.0)?;
-            let seen = if is_meeting { &mut report.meeting } else { &mut report.free };
-            if seen.is_none() {
-                *seen = Some(middle(&values));
-            }
-            if report.meeting.is_some() && report.free.is_some() {
-                return Ok(PairReport { fate: PairClass::Sometimes, ..report });
+            report.saw(is_meeting, || middle(&values));
+            if report.is_both() {
+                break;
             }
             let widest = self.widest(&values)?;
             let is_everywhere =
@@ -170,9 +202,34 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
                 Some(variable) => waiting.extend(halves(&values, variable)),
                 None => return Ok(report),
             }
+            report.fate = match (waiting.is_empty(), &report.meeting) {
+                (false, _) => PairClass::Undecided,
+                (true, Some(_)) => PairClass::Always,
+                (true, None) => PairClass::Never,
+            };
         }
-        let fate = if report.meeting.is_some() { PairClass::Always } else { PairClass::Never };
+        let fate = if report.is_both() { PairClass::Sometimes } else { report.fate };
         Ok(PairReport { fate, ..report })
+    }
+
+    /// Of the moving bodies, those that move the pair, by index.
+    fn roots(&self) -> Vec<usize> {
+        let carrier = |i: &usize| self.scene.memory.slots[*i].carrier.map(|carrier| carrier as usize);
+        self.pair.iter().filter_map(carrier).collect()
+    }
+
+    /// Places the pair at random values, and returns these.
+    fn go_to_random(&mut self, roots: &[usize], random: &mut SplitMix64) -> Result<Vec<f64>, SceneError> {
+        let mut value = |[low, high]: &[f64; 2]| {
+            // Rounding may push the sum beyond the ends.
+            (low + (high - low) * (random.bits() as f64 * power_of_two(-64))).clamp(*low, *high)
+        };
+        let values: Vec<f64> = self.robot.limits().iter().map(&mut value).collect();
+        self.robot.go_to(&values, &mut self.links, self.poses)?;
+        for &root in roots {
+            self.scene.place(self.moving[root], &self.poses[root])?;
+        }
+        Ok(values)
     }
 
     /// Whether bodies that meet, or do not meet, at the middle of a box of values, where they stand, certainly do so in
@@ -200,8 +257,14 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         let ends = [&*values[0], &*values[1]];
         let mut motion = JointMotion::new(self.robot, ends, &mut now, &mut self.links)?;
         motion.go_to(0.5, self.poses)?;
-        let slots = self.pair.map(|i| &self.scene.memory.slots[i]);
-        Ok(motion_bound_of_pair(&motion, slots, beyond, 0.5))
+        let [a, b] = self.pair.map(|i| {
+            let slot = &self.scene.memory.slots[i];
+            let ball = slot.size.ball(&slot.world);
+            let carrier = slot.carrier.map(|carrier| carrier as usize);
+            (carrier, CarriedBall { radius: ball.radius + beyond, ..ball })
+        });
+        let path = motion.least_bound_between((a.0, &a.1), (b.0, &b.1), 0.5);
+        Ok(finite_or_infinite(path))
     }
 
     /// The variable with the greatest relative motion of the two bodies. `None` if none moves them.

@@ -28,6 +28,19 @@ impl<'t, N: Dop> Scene<'t, N> {
 }
 
 impl<N: Lanes> Scene<'_, N> {
+    /// Whether two bodies come within a margin of each other, tested or not.
+    pub(crate) fn are_within(
+        &self,
+        query: &Query,
+        a: BodyId,
+        b: BodyId,
+        margin: f64,
+    ) -> Result<bool, SceneError> {
+        let (i, j) = self.place_to_ask(a, b)?;
+        let answer = self.ask_within(query, &self.pair_now(i as u32, j as u32), margin)?;
+        Ok(matches!(answer.verdict, Verdict::Hit(_)))
+    }
+
     /// Whether two bodies meet that are tested against each other: the verdict of [`Scene::collide`] for this pair.
     pub(crate) fn do_meet(&self, query: &Query, a: BodyId, b: BodyId) -> Result<bool, SceneError> {
         let (i, j) = self.place_to_ask(a, b)?;

@@ -8,6 +8,7 @@ mod files;
 mod objects;
 mod plans;
 mod real;
+mod self_filter;
 mod signed;
 
 use simdop::planning::{PlanningScene, RobotFiles, RobotModel};

@@ -105,6 +105,40 @@ pub unsafe extern "C" fn simdop_planner_check_states(
     })
 }
 
+/// Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside of it: what
+/// a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is not finite is
+/// not near. `values` has a number for each variable that is planned for, and `points` three for each point. `near` has
+/// room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are.
+///
+/// # Safety
+/// The arrays have these lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_planner_near_robot(
+    planner: Option<&simdop_planner>,
+    workspace: Option<&mut simdop_workspace>,
+    values: *const f64,
+    points: *const f32,
+    point_count: usize,
+    margin: f64,
+    near: *mut u8,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> simdop_error {
+    answered(count, || {
+        let (planner, workspace) = both(planner, workspace)?;
+        // SAFETY: the caller guarantees the length.
+        let values = unsafe { items(values, planner.variables(), "values") }?;
+        // SAFETY: as above; three numbers in a row are aligned as one.
+        let points: &[[f32; 3]] = unsafe { items(points.cast(), point_count, "points") }?;
+        // SAFETY: as above.
+        let near = unsafe { places(near, point_count, "near") }?;
+        let found = planner.near_robot(workspace, values, points, margin)?;
+        for (place, is_near) in near.iter_mut().zip(&found) {
+            place.write((*is_near).into());
+        }
+        Ok(found.iter().filter(|is_near| **is_near).count())
+    })
+}
+
 /// Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
 /// around. `from` and `to` have a number for each variable that is planned for.
 ///

@@ -7,7 +7,8 @@ pub use ask::{
     simdop_planner_check_motion, simdop_planner_check_motion_discrete, simdop_planner_check_motions,
     simdop_planner_check_states, simdop_planner_classify_pair, simdop_planner_clearance,
     simdop_planner_clearance_gradient, simdop_planner_each_hit, simdop_planner_free_share,
-    simdop_planner_signed_clearance, simdop_planner_to_world, simdop_planner_within,
+    simdop_planner_near_robot, simdop_planner_signed_clearance, simdop_planner_to_world,
+    simdop_planner_within,
 };
 pub use plan::{
     simdop_plan_settings, simdop_plan_settings_default, simdop_planned_path, simdop_planner_plan,

@@ -19,6 +19,8 @@ pub(super) struct FatesReport {
     /// Maximum number of boxes of values for a pair.
     boxes_allowed: usize,
     boxes: usize,
+    /// Random configurations, in addition to the boxes.
+    samples: usize,
     seconds: f64,
     fates: Vec<FateReport>,
     /// Entries of the SRDF that are wrong.
@@ -70,18 +72,19 @@ pub(super) fn ask(
     let mut report = FatesReport {
         boxes_allowed: boxes,
         boxes: 0,
+        samples: 0,
         seconds: 0.0,
         fates: FATES.map(|(_, fate)| FateReport { fate, asked: 0, ruled_out: 0 }).into(),
         refuted: Vec::new(),
         matrix: Vec::new(),
     };
-    let bar = progress::bar(pairs.len(), "pairs", quiet);
+    let mut bar = progress::logged(pairs.len(), "pairs", quiet);
     let start = Instant::now();
     for (i, j) in pairs {
         let pair = (scene.links()[i], scene.links()[j]);
         let found = scene.classify_pair(&mut workspace, pair, boxes)?;
         report.add(model, (i, j), &found);
-        bar.inc(1);
+        bar.inc();
     }
     report.seconds = start.elapsed().as_secs_f64();
     Ok(report)
@@ -89,7 +92,7 @@ pub(super) fn ask(
 
 impl FatesReport {
     fn add(&mut self, model: &RobotModel, (i, j): (usize, usize), found: &PairReport) {
-        self.boxes += found.boxes;
+        (self.boxes, self.samples) = (self.boxes + found.boxes, self.samples + found.samples);
         let bodies = || [i, j].map(|body| model.names()[body].clone());
         let is_asked = model.pairs().contains(&(i, j));
         for ((fate, name), report) in FATES.iter().zip(&mut self.fates) {
@@ -112,6 +115,37 @@ impl FatesReport {
         }
     }
 
+    /// An SRDF file that disables the pairs of links whose bodies meet never, or at all values or never, and those that
+    /// a joint connects.
+    pub(super) fn srdf(&self, model: &RobotModel) -> String {
+        let mut fates: BTreeMap<[&str; 2], Vec<&str>> = BTreeMap::new();
+        for (pair, (i, j)) in self.matrix.iter().zip(moving_pairs(model)) {
+            let [a, b] = [i, j].map(|body| model.robot().names[body].as_str());
+            fates.entry([a.min(b), a.max(b)]).or_default().push(pair.fate);
+        }
+        let links = &model.robot().links;
+        for link in links {
+            if let Some(parent) = &link.parent {
+                let [a, b] = [link.name.as_str(), links[parent.link].name.as_str()];
+                let _ = fates.insert([a.min(b), a.max(b)], vec!["adjacent"]);
+            }
+        }
+        let mut text =
+            format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(&model.robot().name));
+        for ([a, b], fates) in fates {
+            let all = |known: &[&str]| fates.iter().all(|fate| known.contains(fate));
+            let reason = match () {
+                () if all(&["adjacent"]) => "Adjacent",
+                () if all(&["never"]) => "Never",
+                () if all(&["never", "always"]) => "Always",
+                () => continue,
+            };
+            let (a, b) = (escaped(a), escaped(b));
+            text += &format!("  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>\n");
+        }
+        text + "</robot>\n"
+    }
+
     pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
         writeln!(out, "\npairs meet        asked  ruled out")?;
         for FateReport { fate, asked, ruled_out } in &self.fates {
@@ -119,8 +153,8 @@ impl FatesReport {
         }
         writeln!(
             out,
-            "{} boxes of values in {:.2} s, at most {} a pair",
-            self.boxes, self.seconds, self.boxes_allowed
+            "{} boxes of values, at most {} a pair, and {} random configurations in {:.2} s",
+            self.boxes, self.boxes_allowed, self.samples, self.seconds
         )?;
         for Refuted { bodies: [a, b], reason, meets, at } in &self.refuted {
             let how = if *meets { "meet" } else { "are apart" };
@@ -138,6 +172,11 @@ impl FatesReport {
     }
 }
 
+/// Text in an attribute of XML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
 /// Values that refute the reason for excluding a pair: whether the bodies meet there, and the values. The reason
 /// `Adjacent` allows everything. Excluding any other pair that meets for some values only hides collisions.
 fn counterexample<'a>(reason: &str, found: &'a PairReport) -> Option<(bool, &'a [f64])> {
@@ -152,7 +191,47 @@ fn counterexample<'a>(reason: &str, found: &'a PairReport) -> Option<(bool, &'a 
 
 #[cfg(test)]
 mod tests {
+    use super::super::model::URDF;
     use super::*;
+    use simdop::planning::LinkGeometry;
+    use simdop::robot::{DisabledPair, LinkShape, LinkShapes, Robot};
+
+    /// What the file disables never meets at random configurations, unless a joint connects it.
+    #[test]
+    fn an_srdf_disables_what_never_meets() {
+        let robot = Robot::from_urdf(URDF, LinkShapes::Collision).unwrap();
+        let bodies = robot.shapes.iter().filter_map(LinkShape::shape).map(LinkGeometry::Shape).collect();
+        let model = Arc::new(RobotModel::new(robot, bodies, Vec::new(), Vec::new()).unwrap());
+        let query = Query::new(simdop::Isa::detect());
+        let text = ask(&model, query, 4000, true).unwrap().srdf(&model);
+        let disabled = DisabledPair::from_srdf(&text).unwrap();
+        let scene = PlanningScene::new(Arc::clone(&model)).unwrap();
+        let (mut workspace, mut random) = (scene.workspace(), crate::random::Random::new(3));
+        let mut met = std::collections::BTreeSet::new();
+        for _ in 0..5000 {
+            let values = scene.random(|| random.unit());
+            for hit in scene.hits(&mut workspace, &values, 0.0).unwrap() {
+                let (a, b) = (scene.name(hit.a).to_owned(), scene.name(hit.b).to_owned());
+                met.insert(if a < b { (a, b) } else { (b, a) });
+            }
+        }
+        let reason =
+            |a: &str, b: &str| disabled.iter().find(|pair| pair.is_of(a, b)).map(|pair| &*pair.reason);
+        let names = ["base", "column", "upper_arm", "forearm", "hand"];
+        for (i, a) in names.iter().enumerate() {
+            for (j, b) in names.iter().enumerate().skip(i + 1) {
+                let key = if a < b { (*a, *b) } else { (*b, *a) };
+                let does_meet = met.contains(&(key.0.to_owned(), key.1.to_owned()));
+                match reason(a, b) {
+                    Some("Adjacent") => assert_eq!(j, i + 1, "{a} {b}"),
+                    Some("Never") => assert!(!does_meet && j > i + 1, "{a} {b}"),
+                    other => assert!(other.is_none() && j > i + 1, "{a} {b}"),
+                }
+            }
+        }
+        let count = |reason: &str| disabled.iter().filter(|pair| pair.reason == reason).count();
+        assert!(count("Adjacent") == 4 && count("Never") > 0 && disabled.len() < 10, "{text}");
+    }
 
     #[test]
     fn a_reason_is_refuted_by_what_it_denies() {
@@ -161,6 +240,7 @@ mod tests {
             meeting: meeting.map(|x| vec![x]),
             free: free.map(|x| vec![x]),
             boxes: 1,
+            samples: 0,
         };
         let sometimes = report(PairClass::Sometimes, Some(1.0), Some(2.0));
         let always = report(PairClass::Always, Some(1.0), None);

@@ -107,6 +107,9 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         .map(|boxes| fates::ask(&model, query, boxes as usize, options.json))
         .transpose()
         .map_err(Error::Planning)?;
+    if let (Some(path), Some(pairs)) = (&options.write_srdf, &pairs) {
+        std::fs::write(path, pairs.srdf(&model)).map_err(Error::io(path))?;
+    }
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         isa: options.isa.name(),

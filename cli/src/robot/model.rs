@@ -9,7 +9,7 @@ use simdop::robot::{DisabledPair, LinkShape, Robot, RobotError};
 use std::path::Path;
 use std::sync::Arc;
 
-const URDF: &str = include_str!("../../../examples/arm/arm.urdf");
+pub(super) const URDF: &str = include_str!("../../../examples/arm/arm.urdf");
 const SRDF: &str = include_str!("../../../examples/arm/arm.srdf");
 
 pub(super) fn read(options: &Options) -> Result<Arc<RobotModel>, Error> {

@@ -29,6 +29,10 @@ pub(crate) struct Options {
     /// the SRDF [default for the built-in arm: 20000].
     #[arg(long, value_name = "BOXES", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) pairs: Option<u32>,
+    /// Write an SRDF file with the pairs of links that --pairs finds to meet never or always, and those that a joint
+    /// connects. All others are tested by who reads it.
+    #[arg(long, value_name = "FILE", requires = "pairs")]
+    pub(super) write_srdf: Option<std::path::PathBuf>,
     /// Random motions of each problem, in addition to those from its start to its goals [default: 10].
     #[arg(long, value_name = "COUNT")]
     pub(super) edges: Option<u32>,

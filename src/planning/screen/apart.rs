@@ -1,4 +1,4 @@
-//! Spheres of two bodies that both move.
+//! Spheres around two bodies that both move.
 //!
 //! Centres are `f32`, with errors that are in the radii. A difference of coordinates, its square, and the sum of three
 //! are off by less than 8 u of the squared distance, u being 2^-24, as are the sum of the radii and its square; 2^-19 of
@@ -9,28 +9,20 @@ use crate::exact::power_of_two;
 
 /// Allowance for roundings, relative to a radius.
 const ROUNDING: f64 = power_of_two(-19);
-/// In place of a radius where there is no sphere: its sum with any radius is negative.
-pub(super) const NO_SPHERE: f32 = -1e18;
 
-/// The radii of an outer and an inner sphere, as [`compare`] takes them.
-pub(super) fn radii(outer: f64, inner: f64) -> [f32; 2] {
-    let inner = if inner > 0.0 { (inner * (1.0 - ROUNDING)) as f32 } else { NO_SPHERE };
-    [(outer * (1.0 + ROUNDING)) as f32, inner]
+/// The radius of a sphere, as [`are_apart`] takes it.
+pub(super) fn radius(radius: f64) -> f32 {
+    (radius * (1.0 + ROUNDING)) as f32
 }
 
-/// In which lanes two spheres are certainly apart, and in which their inner ones certainly meet.
+/// In which lanes two spheres are certainly apart.
 #[inline(always)]
-pub(super) fn compare(
-    (a, of_a): (&Point16, &[Lane16; 2]),
-    (b, of_b): (&Point16, &[Lane16; 2]),
-) -> [Flags; 2] {
-    let [mut free, mut hit] = [[0_u32; LANES]; 2];
+pub(super) fn are_apart((a, of_a): (&Point16, &Lane16), (b, of_b): (&Point16, &Lane16)) -> Flags {
+    let mut apart = [0_u32; LANES];
     for lane in 0..LANES {
         let (x, y, z) = (a[0][lane] - b[0][lane], a[1][lane] - b[1][lane], a[2][lane] - b[2][lane]);
-        let square = (x * x + y * y) + z * z;
-        let (outer, inner) = (of_a[0][lane] + of_b[0][lane], of_a[1][lane] + of_b[1][lane]);
-        free[lane] = flag(lane, (outer < 0.0) | (square > outer * outer));
-        hit[lane] = flag(lane, (inner > 0.0) & (square < inner * inner));
+        let radii = of_a[lane] + of_b[lane];
+        apart[lane] = flag(lane, (x * x + y * y) + z * z > radii * radii);
     }
-    [free, hit]
+    apart
 }

@@ -1,8 +1,9 @@
 //! The spheres of a body, sixteen at a time.
 
-use super::apart::NO_SPHERE;
 use super::lanes::{LANES, Lane16, Point16};
-use alloc::vec::Vec;
+
+/// In place of a radius where there is no sphere: free, and met by nothing.
+const NO_SPHERE: f32 = -1e18;
 
 /// Spheres about one centre on a link, with radii that hold wherever the lanes put the centre.
 #[derive(Copy, Clone, Debug)]
@@ -15,23 +16,16 @@ pub(super) struct LaneSphere {
 /// Outer and inner radii of sixteen spheres.
 pub(super) type Radii16 = [Lane16; 2];
 
-/// The centres of spheres. Lanes without a sphere have the centre of the first.
-pub(super) fn centres(spheres: &[LaneSphere]) -> Vec<Point16> {
-    let block = |block: &[LaneSphere]| {
-        let at = |lane: usize| block.get(lane).unwrap_or(&block[0]).centre;
-        [0, 1, 2].map(|i| core::array::from_fn(|lane| at(lane)[i]))
-    };
-    spheres.chunks(LANES).map(block).collect()
+/// The centres of up to sixteen spheres. Lanes without a sphere have the centre of the first.
+pub(super) fn block(spheres: &[LaneSphere]) -> Point16 {
+    let at = |lane: usize| spheres.get(lane).unwrap_or(&spheres[0]).centre;
+    [0, 1, 2].map(|i| core::array::from_fn(|lane| at(lane)[i]))
 }
 
-/// Radii of spheres. Lanes without a sphere are free.
-pub(super) fn radii(spheres: &[LaneSphere], of: impl Fn(f64, f64) -> [f32; 2]) -> Vec<Radii16> {
-    let block = |block: &[LaneSphere]| {
-        let at =
-            |lane: usize| block.get(lane).map_or([NO_SPHERE; 2], |sphere| of(sphere.outer, sphere.inner));
-        [0, 1].map(|i| core::array::from_fn(|lane| at(lane)[i]))
-    };
-    spheres.chunks(LANES).map(block).collect()
+/// The radii of up to sixteen spheres. Lanes without a sphere are free.
+pub(super) fn radii(spheres: &[LaneSphere], of: impl Fn(f64, f64) -> [f32; 2]) -> Radii16 {
+    let at = |lane: usize| spheres.get(lane).map_or([NO_SPHERE; 2], |sphere| of(sphere.outer, sphere.inner));
+    [0, 1].map(|i| core::array::from_fn(|lane| at(lane)[i]))
 }
 
 /// The same radii in all lanes.

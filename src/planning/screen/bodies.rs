@@ -1,9 +1,9 @@
-//! The bodies of a robot that move, as spheres on links.
+//! The bodies of a robot, as spheres on links.
 
 use super::apart;
-use super::blocks::{LaneSphere, Radii16, all_lanes, centres, radii};
+use super::blocks::{LaneSphere, block};
 use super::chain::LaneChain;
-use super::lanes::Point16;
+use super::lanes::{LANES, Lane16, Point16};
 use super::links::Concentric;
 use super::robot::RobotBounds;
 use crate::exact::power_of_two;
@@ -31,25 +31,28 @@ pub(in crate::planning) struct ScreenedScene<'s> {
     pub(in crate::planning) query: Query,
 }
 
-/// A body that moves.
+/// A body of the robot.
 #[derive(Clone, Debug)]
 pub(super) struct LaneBody {
-    /// Index among the bodies of the robot.
-    pub(super) body: usize,
     pub(super) link: usize,
     pub(super) id: BodyId,
     pub(super) whole: LaneSphere,
     pub(super) coarse: Vec<LaneSphere>,
     pub(super) fine: Vec<LaneSphere>,
-    pub(super) coarse_centres: Vec<Point16>,
+    pub(super) coarse_centres: Point16,
     pub(super) fine_centres: Vec<Point16>,
-    /// Against other bodies that move.
-    pub(super) whole_radii: Radii16,
-    pub(super) coarse_radii: Vec<Radii16>,
-    pub(super) fine_radii: Vec<Radii16>,
+    /// For each coarse sphere, the fine ones that it meets, which cover what it holds of the body.
+    pub(super) below: [u64; LANES],
+    /// Of the sphere around it, against those of other bodies of the robot.
+    pub(super) whole_radius: Lane16,
 }
 
 impl LaneBody {
+    /// Whether a joint moves it.
+    pub(super) const fn is_moving(&self) -> bool {
+        self.link > 0
+    }
+
     pub(super) fn spheres(&self) -> impl Iterator<Item = &LaneSphere> {
         self.coarse.iter().chain(&self.fine).chain([&self.whole])
     }
@@ -65,34 +68,45 @@ pub(super) fn lane_bodies(
         return None;
     }
     let all = around.kinematics.bodies().iter().zip(around.links).zip(&bounds.spheres);
-    for (i, ((body, &id), spheres)) in all.enumerate() {
+    for ((body, &id), spheres) in all {
         let link = body.link as usize;
         // What a scene refuses is not screened.
         if body.at.deviation() > 0.5 * Scene::<PlanningNode>::TOLERANCE {
             return None;
-        }
-        if link == 0 {
-            continue;
         }
         let lane = |sphere: &Concentric| lane_sphere(chain, link, &body.at, sphere);
         let whole = lane(&spheres.whole);
         let coarse: Vec<LaneSphere> = spheres.coarse.iter().map(lane).collect();
         let fine: Vec<LaneSphere> = spheres.fine.iter().map(lane).collect();
         bodies.push(LaneBody {
-            body: i,
             link,
             id,
-            whole_radii: all_lanes(apart::radii(whole.outer, whole.inner)),
-            coarse_radii: radii(&coarse, apart::radii),
-            fine_radii: radii(&fine, apart::radii),
-            coarse_centres: centres(&coarse),
-            fine_centres: centres(&fine),
+            whole_radius: [apart::radius(whole.outer); LANES],
+            coarse_centres: block(&coarse),
+            fine_centres: fine.chunks(LANES).map(block).collect(),
+            below: below(&coarse, &fine),
             whole,
             coarse,
             fine,
         });
     }
     Some(bodies)
+}
+
+/// For each coarse sphere, the fine ones that it meets.
+fn below(coarse: &[LaneSphere], fine: &[LaneSphere]) -> [u64; LANES] {
+    let do_meet = |a: &LaneSphere, b: &LaneSphere| {
+        let apart = [0, 1, 2].map(|i| f64::from(a.centre[i]) - f64::from(b.centre[i]));
+        // Centres are off by less than what the radii have more than those of the covers.
+        length(&apart) <= (a.outer + b.outer) * (1.0 + power_of_two(-20))
+    };
+    let mut below = [0; LANES];
+    for (below, coarse) in below.iter_mut().zip(coarse) {
+        for (i, fine) in fine.iter().enumerate() {
+            *below |= u64::from(do_meet(coarse, fine)) << i;
+        }
+    }
+    below
 }
 
 fn lane_sphere(chain: &LaneChain, link: usize, at: &Pose, sphere: &Concentric) -> LaneSphere {

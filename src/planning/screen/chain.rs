@@ -11,6 +11,12 @@
 //! c, is off by u c, its image by another m c and 6 u c of rounding, and the sum by 4 u of the coordinates: at most
 //! `s + (m + 16 u) c + 4 u T`, where T bounds the coordinates. A translation along the axis is another of these. A point
 //! p of the link likewise. The frames in `f64` are themselves off by 2^-40 of the coordinates at most.
+//!
+//! **A link seen from another.** A point p of link b is `q = R_a^T (R_b p + t_b - t_a)` in the frame of link a, with
+//! matrices that are off by m and n. With d the sum of both reaches and of the length of p, which bounds the length of q,
+//! rounding adds at most 32 u d. The lanes' frame of a maps q to the image of p but for
+//! `(R_a R_a^T - 1) (R_b p + t_b - t_a)`, at most 2.01 m d; and where the scene has q is off by what it is of any point
+//! of link a as far away as d ([`LaneChain::error_seen_from`]).
 
 use super::lanes::{ANGLE_ERROR, LANES, Lane16, MOST_TURNED, Point16, UNIT, sine_and_cosine};
 use crate::exact::power_of_two;
@@ -64,6 +70,21 @@ impl LaneFrame {
 pub(super) struct OneFrame([[f32; 4]; 3]);
 
 impl OneFrame {
+    /// This frame in another.
+    #[inline(always)]
+    pub(super) fn seen_from(&self, other: &Self) -> Self {
+        let (of, by) = (&self.0, &other.0);
+        let apart = [of[0][3] - by[0][3], of[1][3] - by[1][3], of[2][3] - by[2][3]];
+        let mut seen = [[0.0; 4]; 3];
+        for (i, row) in seen.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                let column = if j == 3 { apart } else { [of[0][j], of[1][j], of[2][j]] };
+                *entry = (by[0][i] * column[0] + by[1][i] * column[1]) + by[2][i] * column[2];
+            }
+        }
+        Self(seen)
+    }
+
     /// The images of sixteen points, with the roundings of [`LaneFrame::apply`].
     #[inline(always)]
     pub(super) fn apply(&self, p: &Point16) -> Point16 {
@@ -179,11 +200,27 @@ impl LaneChain {
 
     /// Upper bound of the distance between the image of a point of a link, rounded to `f32`, and where the scene has it.
     pub(super) fn error(&self, link: usize, p: &Point) -> f64 {
-        let (error, away) = (self.errors[link], length(p));
+        self.error_within(link, length(p))
+    }
+
+    /// As [`LaneChain::error`], of all points that are so far from the link's origin.
+    fn error_within(&self, link: usize, away: f64) -> f64 {
+        let error = self.errors[link];
         let coordinates = error.reach + away;
         error.translation
             + (error.matrix + 16.0 * UNIT) * away
             + (4.0 * UNIT + power_of_two(-40)) * coordinates
+    }
+
+    /// What [`OneFrame::seen_from`] adds to the error of a point of link `b` at most, if the frame is that of link `a`.
+    pub(super) fn error_seen_from(&self, a: usize, b: usize, p: &Point) -> f64 {
+        let away = self.reach_from_base(a) + self.reach_from_base(b) + 2.0 * length(p);
+        self.error_within(a, away) + (2.01 * self.errors[a].matrix + 32.0 * UNIT) * away
+    }
+
+    /// A body on a link, given where it is in the frame of the description, in the frame here.
+    pub(super) fn body_on_link(&self, link: usize, at: &Pose) -> Pose {
+        self.turned[link].back_to(&[0.0; 3]).after(at)
     }
 
     /// Upper bound of the distance of the origin of a link from the world's origin.

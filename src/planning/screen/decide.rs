@@ -1,12 +1,12 @@
 //! Sixteen configurations through all bounds.
 
-use super::apart::compare;
+use super::apart::are_apart;
 use super::blocks::Radii16;
 use super::bodies::LaneBody;
 use super::chain::{LaneFrame, OneFrame};
 use super::grid::ClearanceGrid;
-use super::lanes::{LANES, Point16, mask, spread};
-use super::whole::Screen;
+use super::lanes::{LANES, Point16, mask};
+use super::whole::{BodyPair, Screen, SeenBody};
 use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
 use crate::scene::BodyId;
@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 enum Doubt {
     /// Against all bodies of a field that stand still.
     Field { field: usize, body: usize },
-    /// A pair of moving bodies.
+    /// Two bodies of the robot.
     Pair { pair: usize },
     /// A pair with a table.
     Table { pair: usize },
@@ -83,11 +83,9 @@ impl Screen {
     ) -> impl Iterator<Item = OpenPair<'s>> + 's {
         let of_lane = move |(_, lanes): &&(Doubt, u16)| lanes >> lane & 1 != 0;
         doubts.doubts.iter().filter(of_lane).map(|(doubt, _)| match *doubt {
-            Doubt::Field { field, body } => {
-                OpenPair::Standing(self.bodies[body].body, &self.fields[field].standing)
-            }
-            Doubt::Pair { pair } => OpenPair::Own(self.pairs[pair].map(|body| self.bodies[body].body)),
-            Doubt::Table { pair } => OpenPair::Own(self.tabled[pair].bodies),
+            Doubt::Field { field, body } => OpenPair::Standing(body, &self.fields[field].standing),
+            Doubt::Pair { pair } => OpenPair::Own(self.pairs[pair].bodies),
+            Doubt::Table { pair } => OpenPair::Own(self.tabled[pair].pair.bodies),
         })
     }
 
@@ -116,10 +114,8 @@ impl Screen {
             let [free, meet] = table.look_up(&doubts.values);
             *open &= !meet;
             let mut unsure = *open & !free;
-            if let Some(moving) = pair.moving
-                && unsure != 0
-            {
-                unsure = self.decide_pair(moving, unsure, open, doubts);
+            if unsure != 0 {
+                unsure = self.decide_pair(&pair.pair, unsure, open, doubts);
             }
             if unsure != 0 {
                 doubts.doubts.push((Doubt::Table { pair: i }, unsure));
@@ -145,10 +141,7 @@ impl Screen {
                 let (near, mut unsure) = (*open & !mask(&far), 0);
                 for lane in lanes_of(near) {
                     let frame = doubts.frames[body.link].in_lane(lane);
-                    let coarse = look_up(&field.grid, &frame, &body.coarse_centres, &asked.coarse);
-                    let verdict =
-                        coarse.or_else(|| look_up(&field.grid, &frame, &body.fine_centres, &asked.fine));
-                    match verdict {
+                    match look_up(&field.grid, &frame, body, (&asked.coarse, &asked.fine)) {
                         Some(false) => {}
                         Some(true) => *open &= !(1 << lane),
                         None => unsure |= 1 << lane,
@@ -163,7 +156,7 @@ impl Screen {
 
     #[inline(always)]
     fn decide_pairs(&self, open: &mut u16, doubts: &mut Doubts) {
-        for (i, &pair) in self.pairs.iter().enumerate() {
+        for (i, pair) in self.pairs.iter().enumerate() {
             let unsure = self.decide_pair(pair, *open, open, doubts);
             if unsure != 0 {
                 doubts.doubts.push((Doubt::Pair { pair: i }, unsure));
@@ -171,22 +164,29 @@ impl Screen {
         }
     }
 
-    /// Removes lanes from `open` in which two moving bodies meet. Returns those of `asked` that are not certain.
+    /// Removes lanes from `open` in which two bodies of the robot meet. Returns those of `asked` that are not certain.
     #[inline(always)]
-    fn decide_pair(&self, [a, b]: [usize; 2], asked: u16, open: &mut u16, doubts: &Doubts) -> u16 {
-        let [p, q] = [&self.bodies[a], &self.bodies[b]];
-        let wholes = [&doubts.wholes[a], &doubts.wholes[b]];
-        let [far, _] = compare((wholes[0], &p.whole_radii), (wholes[1], &q.whole_radii));
-        let mut unsure = 0;
-        for lane in lanes_of(asked & !mask(&far)) {
-            let [of_p, of_q] = [p, q].map(
-                #[inline(always)]
-                |body| doubts.frames[body.link].in_lane(lane),
-            );
-            match compare_all([(p, of_p), (q, of_q)], &spread(wholes[1], lane)) {
-                Some(false) => {}
-                Some(true) => *open &= !(1 << lane),
-                None => unsure |= 1 << lane,
+    fn decide_pair(&self, pair: &BodyPair, asked: u16, open: &mut u16, doubts: &Doubts) -> u16 {
+        let [a, b] = pair.bodies;
+        let radii = [a, b].map(|body| &self.bodies[body].whole_radius);
+        let far = are_apart((&doubts.wholes[a], radii[0]), (&doubts.wholes[b], radii[1]));
+        let mut unsure = asked & !mask(&far);
+        for SeenBody { bodies, coarse, fine } in &pair.seen {
+            let [p, q] = bodies.map(|body| &self.bodies[body]);
+            let Some((grid, _)) = self.bounds.grids.get(&bodies[0]) else { continue };
+            for lane in lanes_of(unsure) {
+                let [of_p, of_q] = [p, q].map(
+                    #[inline(always)]
+                    |body| doubts.frames[body.link].in_lane(lane),
+                );
+                match look_up(grid, &of_q.seen_from(&of_p), q, (coarse, fine)) {
+                    Some(false) => unsure &= !(1 << lane),
+                    Some(true) => {
+                        unsure &= !(1 << lane);
+                        *open &= !(1 << lane);
+                    }
+                    None => {}
+                }
             }
         }
         unsure
@@ -207,55 +207,32 @@ fn lanes_of(mut lanes: u16) -> impl Iterator<Item = usize> {
     )
 }
 
-/// Whether the spheres of a body meet what stands still, if that is certain.
+/// Whether a body meets what a grid is around, if its spheres say so for certain. A part of the body that is in a coarse
+/// sphere that is free needs no fine one.
 #[inline(always)]
-fn look_up(grid: &ClearanceGrid, frame: &OneFrame, centres: &[Point16], radii: &[Radii16]) -> Option<bool> {
+fn look_up(
+    grid: &ClearanceGrid,
+    frame: &OneFrame,
+    body: &LaneBody,
+    (coarse, fine): (&Radii16, &[Radii16]),
+) -> Option<bool> {
+    let [free, hit] = grid.look_up(&frame.apply(&body.coarse_centres), coarse);
+    if mask(&hit) != 0 {
+        return Some(true);
+    }
+    let mut needed = lanes_of(!mask(&free)).fold(0, |needed, sphere| needed | body.below[sphere]);
     let mut is_free = true;
-    for (centres, radii) in centres.iter().zip(radii) {
+    for (centres, radii) in body.fine_centres.iter().zip(fine) {
+        let now = needed as u16;
+        needed >>= LANES;
+        if now == 0 {
+            continue;
+        }
         let [free, hit] = grid.look_up(&frame.apply(centres), radii);
         if mask(&hit) != 0 {
             return Some(true);
         }
-        is_free &= mask(&free) == u16::MAX;
-    }
-    is_free.then_some(false)
-}
-
-/// Whether two moving bodies meet, if their spheres say so for certain. `whole` is the centre of the second.
-#[inline(always)]
-fn compare_all(bodies: [(&LaneBody, OneFrame); 2], whole: &Point16) -> Option<bool> {
-    let [(a, _), (b, _)] = bodies;
-    let coarse = [(&a.coarse_centres, &a.coarse_radii), (&b.coarse_centres, &b.coarse_radii)];
-    compare_covers(bodies, coarse, whole).or_else(
-        #[inline(always)]
-        || {
-            let fine = [(&a.fine_centres, &a.fine_radii), (&b.fine_centres, &b.fine_radii)];
-            compare_covers(bodies, fine, whole)
-        },
-    )
-}
-
-/// As [`compare_all`], of one cover of each: centres and radii.
-#[inline(always)]
-fn compare_covers(
-    [(_, of_a), (b, of_b)]: [(&LaneBody, OneFrame); 2],
-    [cover_a, cover_b]: [(&Vec<Point16>, &Vec<Radii16>); 2],
-    whole: &Point16,
-) -> Option<bool> {
-    let mut is_free = true;
-    for (centres, radii) in cover_a.0.iter().zip(cover_a.1) {
-        let p = of_a.apply(centres);
-        let [far, _] = compare((&p, radii), (whole, &b.whole_radii));
-        for lane in lanes_of(!mask(&far)) {
-            let (p, radii) = (spread(&p, lane), radii.map(|radius| [radius[lane]; LANES]));
-            for (centres, others) in cover_b.0.iter().zip(cover_b.1) {
-                let [free, hit] = compare((&p, &radii), (&of_b.apply(centres), others));
-                if mask(&hit) != 0 {
-                    return Some(true);
-                }
-                is_free &= mask(&free) == u16::MAX;
-            }
-        }
+        is_free &= now & !mask(&free) == 0;
     }
     is_free.then_some(false)
 }

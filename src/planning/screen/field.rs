@@ -3,6 +3,7 @@
 use super::blocks::{Radii16, all_lanes, radii};
 use super::bodies::{LaneBody, ScreenedScene};
 use super::grid::ClearanceGrid;
+use super::lanes::LANES;
 use super::table::PairTable;
 use crate::scene::{BodyId, SceneError};
 use alloc::vec::Vec;
@@ -23,7 +24,7 @@ pub(super) struct AskedBody {
     /// Of a body that one variable moves, instead of spheres.
     pub(super) table: Option<PairTable>,
     pub(super) whole: Radii16,
-    pub(super) coarse: Vec<Radii16>,
+    pub(super) coarse: Radii16,
     pub(super) fine: Vec<Radii16>,
 }
 
@@ -38,15 +39,15 @@ impl Field {
     ) -> Result<Self, SceneError> {
         let of = |outer: f64, inner: f64| grid.radii(outer, inner);
         let ask = |&body: &usize| {
-            let LaneBody { whole, coarse, fine, body: index, .. } = &bodies[body];
+            let LaneBody { whole, coarse, fine, .. } = &bodies[body];
             let pairs = (around.links, &standing[..]);
-            let table = PairTable::of_body(&around.kinematics, around.scene, *index, pairs, more)?;
+            let table = PairTable::of_body(&around.kinematics, around.scene, body, pairs, more)?;
             Ok(AskedBody {
                 body,
                 table,
                 whole: all_lanes(of(whole.outer, whole.inner)),
                 coarse: radii(coarse, of),
-                fine: radii(fine, of),
+                fine: fine.chunks(LANES).map(|block| radii(block, of)).collect(),
             })
         };
         let mut asked = key.iter().map(ask).collect::<Result<Vec<AskedBody>, SceneError>>()?;

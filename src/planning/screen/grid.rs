@@ -15,9 +15,11 @@
 use super::lanes::{Flags, LANES, Lane16, Point16, flag};
 use super::standing::Standing;
 use crate::exact::power_of_two;
+use crate::pose::Pose;
 use crate::range::Point;
 use crate::scene::SceneError;
 use crate::vector::{difference, length};
+use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -44,6 +46,9 @@ pub(super) struct GridSize {
     /// Radius of the largest inner sphere.
     pub(super) inner: f64,
 }
+
+/// Grids around bodies of a robot, in the frames of their links, and where the bodies are in these. By body.
+pub(super) type LinkGrids = BTreeMap<usize, (ClearanceGrid, Pose)>;
 
 /// Bounds of distances, for all cells of a box.
 #[derive(Clone, Debug)]

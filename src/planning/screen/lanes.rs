@@ -76,12 +76,6 @@ pub(super) const fn flag(lane: usize, holds: bool) -> u32 {
     (holds as u32) << lane
 }
 
-/// One lane in all lanes.
-#[inline(always)]
-pub(super) const fn spread(p: &Point16, lane: usize) -> Point16 {
-    [[p[0][lane]; LANES], [p[1][lane]; LANES], [p[2][lane]; LANES]]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

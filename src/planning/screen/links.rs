@@ -17,7 +17,7 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Most spheres of a fine cover and of a coarse one: whole blocks of sixteen.
+/// Most spheres of a fine cover, which have a bit of 64 each, and of a coarse one: whole blocks of sixteen.
 const MOST_FINE: usize = 64;
 const MOST_COARSE: usize = 16;
 /// Spheres of a packing.
@@ -130,6 +130,13 @@ fn cover(
         }
         (best, error) = (spheres, error * STEP);
     }
+    // Blocks of sixteen are near each other along the longest side.
+    let sides = [0, 1, 2].map(|i| {
+        let along = || best.iter().map(|sphere| sphere.centre[i]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    let longest = (1..3).fold(0, |most, i| if sides[i] > sides[most] { i } else { most });
+    best.sort_by(|a, b| a.centre[longest].total_cmp(&b.centre[longest]));
     let centres: Vec<Point> = best.iter().map(|sphere| sphere.centre).collect();
     let inner = if has_inside { mesh.depths_inside(&centres)? } else { vec![0.0; centres.len()] };
     let both = best.iter().zip(inner);

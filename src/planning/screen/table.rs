@@ -2,13 +2,15 @@
 //!
 //! Each cell of the table says that the bodies meet nowhere in it, or everywhere, as [`Scene::classify_pair`] certifies
 //! boxes, or neither. Boxes of many cells are asked first, and halved where they are not certain. A box is also certain
-//! where spheres inside of both bodies overlap deeper than any point moves in the box.
+//! where a sphere inside of one body reaches into the other, by a grid around that, deeper than any point moves in the box.
 //!
 //! The other variables move both bodies as one, and change only the rounding of their poses, which is in the allowance
 //! [`ROUNDING`]. Boxes are larger than their cells by 2^-30 of the limits, more than a value can be off when its cell is
 //! looked up.
 
-use super::lanes::LANES;
+use super::blocks::{LaneSphere, block, radii};
+use super::grid::{ClearanceGrid, LinkGrids};
+use super::lanes::{LANES, mask};
 use super::links::LinkSpheres;
 use crate::exact::power_of_two;
 use crate::isa::Isa;
@@ -18,7 +20,7 @@ use crate::pose::Pose;
 use crate::primitive::Sphere;
 use crate::query::Query;
 use crate::scene::{BodyId, BoxClass, Scene, SceneError};
-use crate::vector::{difference, length};
+use crate::vector::length;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -98,7 +100,7 @@ fn between(kinematics: &Kinematics<'_>, links: [u32; 2]) -> BTreeSet<usize> {
 /// Tables of those pairs that depend on few variables.
 pub(super) fn tables(
     kinematics: &Kinematics<'_>,
-    (bodies, spheres): (&[LinkGeometry], &[LinkSpheres]),
+    (bodies, spheres, grids): (&[LinkGeometry], &[LinkSpheres], &LinkGrids),
     pairs: &[(usize, usize)],
     size: f64,
 ) -> Result<PairTables, SceneError> {
@@ -114,7 +116,7 @@ pub(super) fn tables(
         if (1..=ALONG.len()).contains(&variables.len()) {
             let _ = tables.of.insert((i.min(j), i.max(j)), tables.all.len());
             let pair = (ids[i], ids[j]);
-            let inside = [i, j].map(|body| &spheres[body].inside[..]);
+            let inside = [i, j].map(|body| (&spheres[body].inside[..], grids.get(&body)));
             let more = ROUNDING * size;
             tables.all.push(PairTable::new(kinematics, &mut scene, &ids, pair, &variables, more, inside)?);
         }
@@ -125,22 +127,39 @@ pub(super) fn tables(
 /// Whether the bodies meet in a box of values, everywhere or nowhere.
 type AskBox<'q> = dyn FnMut(&[Vec<f64>; 2]) -> Result<Option<bool>, SceneError> + 'q;
 
-/// Whether spheres inside of two bodies meet at the middle of a box, deeper than any point moves in it.
-fn do_overlap([a, b]: [&[Sphere]; 2], class: &BoxClass) -> bool {
-    let largest = |spheres: &[Sphere]| spheres.iter().map(|sphere| sphere.radius).fold(0.0, f64::max);
-    if largest(a) + largest(b) <= class.path {
-        return false;
-    }
+/// Spheres inside of a body, and a grid around it, with the body's pose there.
+type InnerSpheres<'s> = (&'s [Sphere], Option<&'s (ClearanceGrid, Pose)>);
+
+/// Whether a sphere inside of a body reaches into the other at the middle of a box, deeper than any point moves in it.
+fn do_overlap([a, b]: [InnerSpheres<'_>; 2], class: &BoxClass) -> bool {
     let [at_a, at_b] = &class.poses;
-    let placed: Vec<Sphere> =
-        b.iter().map(|sphere| Sphere { centre: at_b.unflushed(&sphere.centre), ..*sphere }).collect();
-    let skew = at_a.skew().max(at_b.skew());
-    a.iter().any(|p| {
-        let centre = at_a.unflushed(&p.centre);
-        let deep = |q: &Sphere| {
-            (p.radius + q.radius) * (1.0 - skew) - length(&difference(&centre, &q.centre)) > class.path
-        };
-        placed.iter().any(deep)
+    let is_in = |of: InnerSpheres<'_>, at: &Pose, other: InnerSpheres<'_>, at_other: &Pose| {
+        other.1.is_some_and(|around| reaches_in(of.0, at, around, at_other, class.path))
+    };
+    is_in(b, at_b, a, at_a) || is_in(a, at_a, b, at_b)
+}
+
+/// Whether a sphere of a body reaches deeper than `path` into what a grid is around.
+fn reaches_in(
+    spheres: &[Sphere],
+    at: &Pose,
+    (grid, on_link): &(ClearanceGrid, Pose),
+    at_other: &Pose,
+    path: f64,
+) -> bool {
+    let Ok(relative) = Pose::relative(at, at_other) else { return false };
+    let (to_grid, shrunk) = (on_link.after(relative.pose()), 1.0 - at.skew().max(at_other.skew()));
+    let seen = |sphere: &Sphere| {
+        let centre = to_grid.unflushed(&sphere.centre);
+        let rounding = power_of_two(-22) * length(&centre);
+        let inner = sphere.radius * shrunk - path - rounding;
+        LaneSphere { centre: centre.map(|x| x as f32), outer: 0.0, inner }
+    };
+    let deep: Vec<LaneSphere> = spheres.iter().map(seen).filter(|sphere| sphere.inner > 0.0).collect();
+    deep.chunks(LANES).any(|spheres| {
+        let radii = radii(spheres, |outer, inner| grid.radii(outer, inner));
+        let [_, hit] = grid.look_up(&block(spheres), &radii);
+        mask(&hit) != 0
     })
 }
 
@@ -160,7 +179,7 @@ impl PairTable {
         let (mut scene, mut all) = (scene.clone(), None);
         for &id in standing {
             let pair = (links[body], id);
-            let table = Self::new(kinematics, &mut scene, links, pair, &variables, more, [&[]; 2])?;
+            let table = Self::new(kinematics, &mut scene, links, pair, &variables, more, [(&[], None); 2])?;
             all = Some(match all {
                 None => table,
                 Some(before) => table.and(before),
@@ -193,7 +212,7 @@ impl PairTable {
         pair: (BodyId, BodyId),
         variables: &BTreeSet<usize>,
         more: f64,
-        inside: [&[Sphere]; 2],
+        inside: [InnerSpheres<'_>; 2],
     ) -> Result<Self, SceneError> {
         let axis = |&variable: &usize| {
             let limits @ [low, high] = kinematics.limits()[variable];

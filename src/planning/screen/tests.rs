@@ -2,12 +2,14 @@
 
 use super::apart;
 use super::blocks::all_lanes;
+use super::bodies::ScreenedScene;
 use super::chain::{LaneChain, LaneFrame};
 use super::grid::{ClearanceGrid, GridSize};
 use super::lanes::{LANES, mask};
 use super::links::LinkSpheres;
 use super::robot::RobotBounds;
 use super::standing::Standing;
+use super::whole::Screen;
 use crate::construct::{Builder, OwnedMesh};
 use crate::isa::Isa;
 use crate::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
@@ -50,7 +52,7 @@ fn pose(random: &mut SplitMix64, reach: f64) -> Pose {
 #[test]
 fn lanes_are_within_their_error() {
     let mut random = SplitMix64(3);
-    let mut worst = 0.0_f64;
+    let (mut worst, mut worst_seen) = (0.0_f64, 0.0_f64);
     for round in 0..60 {
         let joint = |i: usize, random: &mut SplitMix64| {
             let kind = if (i + round).is_multiple_of(4) { JointKind::Prismatic } else { JointKind::Revolute };
@@ -81,11 +83,23 @@ fn lanes_are_within_their_error() {
                     let bound = chain.error(link, &on_link);
                     assert!(off <= bound, "link {link}, {p:?}: {off} above {bound}");
                     worst = worst.max(off / bound);
+                    // The same point seen from another link.
+                    let other = (link + 4) % 9;
+                    let seen = frames[link].in_lane(lane).seen_from(&frames[other].in_lane(lane));
+                    let single = on_link.map(|x| [x as f32; LANES]);
+                    let image = seen.apply(&single).map(|of| f64::from(of[0]));
+                    let (rows, origin) = (poses[other].rows(), poses[other].translation());
+                    let apart = difference(&found, &origin);
+                    let back = [0, 1, 2].map(|i| (0..3).map(|j| rows[j][i] * apart[j]).sum::<f64>());
+                    let off = length(&difference(&image, &chain.on_link(other, &back)));
+                    let bound = chain.error_seen_from(other, link, &on_link);
+                    assert!(off <= bound, "link {link} from {other}, {p:?}: {off} above {bound}");
+                    worst_seen = worst_seen.max(off / bound);
                 }
             }
         }
     }
-    assert!(worst > 0.02, "the bound is far from what occurs: {worst}");
+    assert!(worst > 0.02 && worst_seen > 0.01, "bounds are far from what occurs: {worst}, {worst_seen}");
 }
 
 /// A world of three shapes, and the distance of a point from them in closed form.
@@ -204,30 +218,77 @@ fn covers_hold_links_and_links_hold_inner_spheres() {
     assert!(spheres.fine.iter().filter(|s| s.inner > 0.03).count() > 2);
 }
 
-/// Spheres that are called apart are apart, and inner ones that are called met meet; most are one of both.
+/// Spheres that are called apart are apart, and most that are apart are called so.
 #[test]
-fn compared_spheres_are_apart_or_meet() {
+fn spheres_that_are_called_apart_are() {
     let mut random = SplitMix64(9);
-    let (mut decided, mut hits) = (0, 0);
+    let (mut said, mut apart) = (0, 0);
     for _ in 0..40_000 {
         let centres = |random: &mut SplitMix64| {
             let points: [Point; LANES] = core::array::from_fn(|_| point(random, 0.5));
             [0, 1, 2].map(|i| core::array::from_fn(|lane| points[lane][i] as f32))
         };
         let (a, b) = (centres(&mut random), centres(&mut random));
-        let [r, s] = [(); 2].map(|()| within(&mut random, -0.01, 0.5));
-        let radii = |r: f64| all_lanes(apart::radii(r.max(0.0), r));
-        let [free, hit] = apart::compare((&a, &radii(r)), (&b, &radii(s))).map(|flags| mask(&flags));
+        let [r, s] = [(); 2].map(|()| within(&mut random, 0.0, 0.5));
+        let radius = |r: f64| [apart::radius(r); LANES];
+        let free = mask(&apart::are_apart((&a, &radius(r)), (&b, &radius(s))));
         for lane in 0..LANES {
-            let apart = [0, 1, 2].map(|i| f64::from(a[i][lane]) - f64::from(b[i][lane]));
-            let (distance, is_free, is_hit) = (length(&apart), free >> lane & 1 == 1, hit >> lane & 1 == 1);
-            assert!(!is_free || distance > r.max(0.0) + s.max(0.0), "{distance}, {r} and {s}");
-            assert!(!is_hit || distance < r + s && r > 0.0 && s > 0.0, "{distance}, {r} and {s}");
-            decided += usize::from(is_free || is_hit);
-            hits += usize::from(is_hit);
+            let distance = length(&[0, 1, 2].map(|i| f64::from(a[i][lane]) - f64::from(b[i][lane])));
+            let is_free = free >> lane & 1 == 1;
+            assert!(!is_free || distance > r + s, "{distance}, {r} and {s}");
+            (said, apart) = (said + usize::from(is_free), apart + usize::from(distance > r + s));
         }
     }
-    assert!(decided > 40_000 * LANES * 9 / 10 && hits > 40_000, "{decided} {hits}");
+    assert!(said * 1000 > apart * 999 && apart > 40_000 * LANES / 10, "{said} of {apart}");
+}
+
+/// Of a link seen from another: spheres that its grid calls free are free of the other link's body, and inner ones that
+/// it calls met meet it, wherever both are.
+#[test]
+fn links_seen_from_others_keep_their_bounds() {
+    let mut random = SplitMix64(13);
+    let joint = |i: u32, random: &mut SplitMix64| {
+        Joint::new(JointKind::Revolute, i, pose(random, 0.2), point(random, 1.0), i).unwrap()
+    };
+    let (mut free, mut met, mut all) = (0, 0, 0);
+    for round in 0..2 {
+        let joints: Vec<Joint> = (0..6).map(|i| joint(i, &mut random)).collect();
+        let bodies: Vec<LinkBody> =
+            [2, 6].into_iter().map(|link| LinkBody { link, at: pose(&mut random, 0.1) }).collect();
+        let limits = [[-3.0, 3.0]; 6];
+        let geometry = [SIDES, [0.1, 0.12, 0.14]].map(|sides| {
+            let mesh = OwnedMesh::cuboid(sides).unwrap();
+            LinkGeometry::of_mesh(&mesh.as_mesh(), 0.0).unwrap()
+        });
+        let bare = Kinematics::new(&joints, &bodies, &limits).unwrap();
+        let bounds = RobotBounds::of(&bare, &geometry, &[(0, 1)]).unwrap();
+        let kinematics = bare.with_base(pose(&mut random, if round % 2 == 0 { 1.0 } else { 50.0 }));
+        let mut scene: Scene<'static, PlanningNode> = Scene::new();
+        let ids: Vec<_> =
+            geometry.iter().map(|body| scene.insert(body.body(), &Pose::IDENTITY).unwrap()).collect();
+        let query = Query::new(Isa::detect());
+        let around = ScreenedScene { scene: &scene, kinematics, links: &ids, objects: &[], query };
+        let screen = Screen::new(&around, &Arc::new(bounds), 0.02).unwrap().unwrap();
+        assert!(screen.pairs.len() == 1 && screen.pairs[0].seen.len() == 2, "each has a grid");
+        let (mut doubts, isa) = (screen.doubts(6), Isa::detect());
+        let (mut links, mut poses) = (vec![LinkFrame::EMPTY; 7], vec![Pose::IDENTITY; 2]);
+        for _ in 0..700 {
+            doubts.values =
+                (0..6).map(|_| core::array::from_fn(|_| within(&mut random, -3.0, 3.0))).collect();
+            let decided = screen.decide(isa, u16::MAX, &mut doubts);
+            for lane in 0..LANES {
+                let now: Vec<f64> = doubts.values.iter().map(|of| of[lane]).collect();
+                kinematics.go_to(&now, &mut links, &mut poses).unwrap();
+                scene.place_all(&ids, &poses).unwrap();
+                let does_meet = scene.do_meet(&query, ids[0], ids[1]).unwrap();
+                let (is_free, is_hit) = (decided.free >> lane & 1 == 1, decided.hit >> lane & 1 == 1);
+                assert!(if does_meet { !is_free } else { !is_hit }, "{now:?}");
+                (free, met, all) =
+                    (free + usize::from(is_free), met + usize::from(is_hit), all + usize::from(does_meet));
+            }
+        }
+    }
+    assert!(free > 2000 && 2 * met > all && met > 500, "{free} free, {met} of {all} met");
 }
 
 /// What tables say is what the scene says, at random values.

@@ -1,10 +1,11 @@
 //! All bounds of a robot in a scene.
 
-use super::blocks::LaneSphere;
+use super::blocks::{LaneSphere, Radii16, radii};
 use super::bodies::{LaneBody, ScreenedScene, lane_bodies};
 use super::chain::LaneChain;
 use super::field::Field;
 use super::grid::{ClearanceGrid, GridSize};
+use super::lanes::LANES;
 use super::robot::RobotBounds;
 use super::standing::Standing;
 use super::table::{PairTable, ROUNDING};
@@ -26,13 +27,26 @@ const PROBE: f64 = power_of_two(-10);
 type StandingGroups = BTreeMap<Vec<usize>, Vec<BodyId>>;
 
 /// A pair of bodies of the robot with a table.
-#[derive(Copy, Clone, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct TabledPair {
     pub(super) table: usize,
-    /// By index among the bodies of the robot.
+    pub(super) pair: BodyPair,
+}
+
+/// Two bodies of the robot: the spheres of either in a grid around the other.
+#[derive(Clone, Debug)]
+pub(super) struct BodyPair {
     pub(super) bodies: [usize; 2],
-    /// By index among those that move, if both do.
-    pub(super) moving: Option<[usize; 2]>,
+    pub(super) seen: Vec<SeenBody>,
+}
+
+/// A body whose spheres are looked up in the grid around another.
+#[derive(Clone, Debug)]
+pub(super) struct SeenBody {
+    /// The other body and this one.
+    pub(super) bodies: [usize; 2],
+    pub(super) coarse: Radii16,
+    pub(super) fine: Vec<Radii16>,
 }
 
 /// The bounds of a robot among bodies that stand still.
@@ -41,8 +55,8 @@ pub(crate) struct Screen {
     pub(super) chain: LaneChain,
     pub(super) bodies: Vec<LaneBody>,
     pub(super) fields: Vec<Field>,
-    /// Pairs of moving bodies that have no table.
-    pub(super) pairs: Vec<[usize; 2]>,
+    /// Pairs of bodies of the robot that have no table.
+    pub(super) pairs: Vec<BodyPair>,
     pub(super) bounds: Arc<RobotBounds>,
     pub(super) tabled: Vec<TabledPair>,
     /// Whether bodies meet that do not move.
@@ -76,7 +90,7 @@ impl Screen {
 
     /// Bytes of its grids and tables.
     pub(in crate::planning) fn bytes(&self) -> usize {
-        self.fields.iter().map(|field| field.grid.bytes()).sum::<usize>() + self.bounds.tables.bytes()
+        self.fields.iter().map(|field| field.grid.bytes()).sum::<usize>() + self.bounds.bytes()
     }
 
     /// The pairs of bodies of the robot that are tested.
@@ -87,35 +101,58 @@ impl Screen {
                 if !around.scene.is_asked(bodies[0], bodies[1])? {
                     continue;
                 }
-                let [a, b] = [i, j].map(|of| self.bodies.iter().position(|moving| moving.body == of));
-                let moving = a.zip(b).map(|(a, b)| [a, b]);
-                if let Some(table) = self.bounds.tables.find(i, j) {
-                    if self.bounds.tables.get(table).is_some_and(PairTable::is_free) {
-                        continue;
+                let pair = self.pair([i, j]);
+                match self.bounds.tables.find(i, j) {
+                    None => self.pairs.push(pair),
+                    Some(table) => {
+                        if !self.bounds.tables.get(table).is_some_and(PairTable::is_free) {
+                            self.tabled.push(TabledPair { table, pair });
+                        }
                     }
-                    self.tabled.push(TabledPair { table, bodies: [i, j], moving });
-                } else if let Some(moving) = moving {
-                    self.pairs.push(moving);
                 }
             }
         }
         Ok(())
     }
 
+    /// First the spheres of the smaller body, whose cover is closer.
+    fn pair(&self, bodies @ [i, j]: [usize; 2]) -> BodyPair {
+        let first = if self.bodies[i].whole.outer < self.bodies[j].whole.outer { [j, i] } else { [i, j] };
+        let seen = [first, [first[1], first[0]]].into_iter().filter_map(|bodies| self.seen(bodies));
+        BodyPair { bodies, seen: seen.collect() }
+    }
+
+    /// The spheres of the second body in the grid around the first. `None` if there is no grid, or not one for spheres as
+    /// large as these.
+    fn seen(&self, bodies @ [a, b]: [usize; 2]) -> Option<SeenBody> {
+        let ([p, q], (grid, _)) = ([&self.bodies[a], &self.bodies[b]], self.bounds.grids.get(&a)?);
+        let seen = |sphere: &LaneSphere| {
+            let more = self.chain.error_seen_from(p.link, q.link, &sphere.centre.map(f64::from));
+            LaneSphere { outer: sphere.outer + more, inner: sphere.inner - more, ..*sphere }
+        };
+        let [coarse, fine] = [&q.coarse, &q.fine].map(|of| of.iter().map(seen).collect::<Vec<_>>());
+        let largest = coarse.iter().chain(&fine).map(|sphere| sphere.outer).fold(0.0, f64::max);
+        let of = |outer: f64, inner: f64| grid.radii(outer, inner);
+        let fine = fine.chunks(LANES).map(|block| radii(block, of)).collect();
+        (largest <= grid.size().outer).then(|| SeenBody { bodies, coarse: radii(&coarse, of), fine })
+    }
+
     /// The bodies that stand still, by the moving ones that are tested against them. `None` if an object moves.
     fn groups(&self, around: &ScreenedScene<'_>) -> Result<Option<StandingGroups>, SceneError> {
         let mut groups = StandingGroups::new();
-        let is_moving = |id: &BodyId| self.bodies.iter().any(|body| body.id == *id);
-        let own = around.links.iter().enumerate().map(|(i, id)| (Some(i), id));
-        let others = around.objects.iter().map(|id| (None, id));
-        for (own, &id) in own.chain(others).filter(|(_, id)| !is_moving(id)) {
+        let moving = || self.bodies.iter().enumerate().filter(|(_, body)| body.is_moving());
+        let own = self.bodies.iter().filter(|body| !body.is_moving()).map(|body| body.id);
+        for id in own {
+            // Moving bodies are tested against it as pairs.
+            groups.entry(Vec::new()).or_default().push(id);
+        }
+        for &id in around.objects {
             if around.scene.attached_to(id)?.is_some() {
                 return Ok(None);
             }
             let mut asked = Vec::new();
-            for (i, body) in self.bodies.iter().enumerate() {
-                let has_table = own.is_some_and(|own| self.bounds.tables.find(own, body.body).is_some());
-                if !has_table && around.scene.is_asked(body.id, id)? {
+            for (i, body) in moving() {
+                if around.scene.is_asked(body.id, id)? {
                     asked.push(i);
                 }
             }

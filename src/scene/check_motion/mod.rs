@@ -14,7 +14,7 @@ mod search;
 pub use answer::{MotionAnswer, MotionVerdict};
 pub use edge::MotionMemory;
 #[cfg(feature = "alloc")]
-pub(super) use motion_bound::motion_bound_of_pair;
+pub(super) use motion_bound::finite_or_infinite;
 pub use queue::MotionHit;
 
 #[cfg(doc)]

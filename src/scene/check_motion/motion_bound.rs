@@ -6,7 +6,7 @@ use crate::scene::memory::Slot;
 
 /// Upper bound of how much two bodies, and all points at most `beyond` away from the balls around them, approach each
 /// other within a span of a motion. Infinite on overflow.
-pub(in crate::scene) fn motion_bound_of_pair<N>(
+pub(super) fn motion_bound_of_pair<N>(
     motion: &impl Motion,
     [a, b]: [&Slot<'_, N>; 2],
     beyond: f64,
@@ -25,6 +25,6 @@ pub(in crate::scene) fn motion_bound_of_pair<N>(
 }
 
 /// Maps a bound that overflows, to infinity or NaN, to infinity. A negative bound is invalid, and becomes infinite too.
-pub(super) fn finite_or_infinite(path: f64) -> f64 {
+pub(in crate::scene) fn finite_or_infinite(path: f64) -> f64 {
     if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }
