@@ -7,7 +7,7 @@ const MOST: usize = 4;
 
 /// Points that are near each other, on both surfaces.
 #[derive(Copy, Clone)]
-struct Cluster {
+struct ContactCluster {
     first: Point,
     sum: Point,
     count: f64,
@@ -15,11 +15,12 @@ struct Cluster {
     normals: [Point; 2],
 }
 
-const NOTHING: Cluster = Cluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0, normals: [[0.0; 3]; 2] };
+const NOTHING: ContactCluster =
+    ContactCluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0, normals: [[0.0; 3]; 2] };
 
 /// Points in groups of which the first points are far from each other.
 pub(super) struct Clusters {
-    clusters: [Cluster; MOST],
+    clusters: [ContactCluster; MOST],
     len: usize,
 }
 
@@ -30,7 +31,7 @@ impl Clusters {
 
     /// Adds a point with the normals there.
     pub(super) fn add(&mut self, [point, of_a, of_b]: [Point; 3]) {
-        let new = Cluster { first: point, sum: point, count: 1.0, normals: [of_a, of_b] };
+        let new = ContactCluster { first: point, sum: point, count: 1.0, normals: [of_a, of_b] };
         if self.len < MOST {
             self.clusters[self.len] = new;
             self.len += 1;
@@ -61,7 +62,7 @@ impl Clusters {
         }
     }
 
-    fn all(&self) -> Cluster {
+    fn all(&self) -> ContactCluster {
         self.clusters[..self.len].iter().fold(NOTHING, |mut all, cluster| {
             all.join(cluster);
             all
@@ -98,7 +99,7 @@ impl Clusters {
     }
 }
 
-impl Cluster {
+impl ContactCluster {
     fn join(&mut self, other: &Self) {
         let sum = |p: &Point, q: &Point| core::array::from_fn(|i| p[i] + q[i]);
         self.sum = sum(&self.sum, &other.sum);
