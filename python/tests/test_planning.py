@@ -71,9 +71,7 @@ def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.r
         assert (planning.free(many, threads=threads) == free).all()
 
 
-def test_points_near_the_robot_are_those_of_closed_forms(
-    files: tuple[Path, Path], rng: np.random.Generator
-) -> None:
+def test_points_near_the_robot_are_those_of_closed_forms(files: tuple[Path, Path], rng: np.random.Generator) -> None:
     planning = PlanningScene(*files)
     planning.add("post", Body.cylinder(0.4, 1.0), at(1.2, 0.8))
     points = rng.uniform([-2, -2, -0.3], [2, 2, 0.3], size=(2000, 3)).astype(np.float32)
