@@ -45,8 +45,8 @@
 //!
 //! **Storage** is the last parameter of the node type: [`node::Fixed`], the default, or [`node::Half`], as in
 //! `Node16<18, Half>`. Both take 16 bits a plane. Fixed point has 16 bits everywhere; half floats have 11, and more
-//! about the centre of the body. Queries of half floats take 1.06 times as long in the median of 24 cases (0.98 to
-//! 1.23), and give the same verdicts. The command `simdop report` compares both on a mesh.
+//! about the centre of the body. Queries of half floats take 1.11 times as long in the median of 24 cases (1.04 to
+//! 1.21), and give the same verdicts. The command `simdop report` compares both on a mesh.
 //!
 //! With k = 26, queries in contact are 7 % faster, the slowest queries a quarter faster, and queries 5 % apart 5 %
 //! slower. The sizes are for a mesh of 52,000 triangles whose coordinates are exact in `f32`; other coordinates take
