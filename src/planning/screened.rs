@@ -16,9 +16,8 @@ impl PlanningScene {
     /// still, in cells of this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and
     /// inside of the links. Every change of the objects computes the cells near them again.
     ///
-    /// Tables of pairs of links are made once a robot, which takes 7 s for the Panda and 15 s for a UR5
-    /// with a gripper. A link that is a shape
-    /// has one sphere around it, which decides less than those of a mesh.
+    /// Tables of pairs of links are made once a robot, which takes 7 s for the Panda and 15 s for a UR5 with a gripper. A
+    /// link that is a shape has one sphere around it, which decides less than those of a mesh.
     ///
     /// Where the bounds do not apply, all configurations are decided by the scene: while an object is attached, with a
     /// budget, and for robots whose links cannot be covered by spheres.
