@@ -128,7 +128,7 @@ impl<N: Lanes + Dop> Scene<'_, N> {
     /// The depth of two shapes, and of a half-space and any body, is known to rounding. Of a body of spheres or of
     /// several shapes, a cloud, or a mesh that is not solid, nothing is known of the inside: the upper bound is then at
     /// most the sum of the bodies' radii below 0. The radii of the bodies widen both. Every pair that meets costs a
-    /// search, of some ten milliseconds for meshes: a budget of the query ends it early, such as 2,000 visits after 0.3 ms.
+    /// search, of some ten milliseconds for meshes. A budget of the query ends it early: 2,000 visits take 0.3 ms.
     ///
     /// # Errors
     /// [`SceneError::Tolerance`] if the tolerance is negative, NaN or infinite, or the cutoff negative or NaN.
