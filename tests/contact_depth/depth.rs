@@ -166,6 +166,7 @@ fn bounds_are_monotone_in_the_budget() {
         for budget in budgets {
             let found = depth(&trees[0], &trees[1], &at, given, budget);
             assert!(found.lower >= lower && found.upper <= upper, "{budget}: {found:?} {lower} {upper}");
+            assert!(found.stats.visits <= budget, "{budget}: {found:?}");
             (lower, upper) = (found.lower, found.upper);
         }
         let whole = depth(&trees[0], &trees[1], &at, given, u64::MAX);
