@@ -160,7 +160,9 @@ fn bounds_are_monotone_in_the_budget() {
             let bits = rng.below(15);
             rng.below(1 << bits)
         };
-        let mut budgets: Vec<u64> = (0..60 / suite_step()).map(|_| budget()).collect();
+        // Steps of the search count a few visits each: few budgets end at one.
+        let mut budgets: Vec<u64> =
+            (0..60 / suite_step()).map(|_| budget()).chain((0..2000).step_by(7)).collect();
         budgets.sort_unstable();
         let (mut lower, mut upper) = (0.0, f64::INFINITY);
         for budget in budgets {
