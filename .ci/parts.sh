@@ -120,7 +120,7 @@ miri_kernels() {
 # short_bench NAME: a benchmark in its short form.
 short_bench() {
   step "$1, short"
-  timeout 60 cargo bench --quiet --locked "${WITH_GPU[@]}" --bench "$1" -- --test
+  timeout 120 cargo bench --quiet --locked "${WITH_GPU[@]}" --bench "$1" -- --test
   evidence "bench $1, short"
 }
 
