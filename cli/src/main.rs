@@ -10,6 +10,7 @@ mod demo;
 mod depth;
 mod error;
 mod info;
+mod markup;
 mod near;
 mod output;
 mod pack;

@@ -3,6 +3,7 @@
 
 use super::body;
 use super::error::Error;
+use super::markup::escaped;
 use core::fmt::Write;
 use simdop::hierarchy::{AnyBvh, BvhRef};
 use simdop::node::Node16;
@@ -244,10 +245,6 @@ fn turned(a: Vector, b: Vector, angle: f64) -> (Vector, Vector) {
 
 fn dot(a: &Vector, b: &Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -4,7 +4,3 @@
 pub(super) fn letter(index: usize) -> String {
     char::from(b'a' + (index % 26) as u8).to_string()
 }
-
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}

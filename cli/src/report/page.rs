@@ -5,13 +5,14 @@
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::ROUNDS;
 use super::front::SAME_TIME;
-use super::html::{escaped, letter};
+use super::html::letter;
 use super::packings::Packings;
 use super::plot::{self, COLOURS, Label, Mark, Panel, Rank, Shape};
 use super::results::{Measured, Results, Subject, short};
 use super::setting::Setting;
 use super::tables;
 use crate::SplitterName;
+use crate::markup::escaped;
 use core::fmt::Write;
 use simdop::low_level::key::StorageKind;
 

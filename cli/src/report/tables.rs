@@ -1,8 +1,9 @@
 //! The tables of the page.
 
 use super::approach::DISTANCES;
-use super::html::{escaped, letter};
+use super::html::letter;
 use super::results::{Results, short};
+use crate::markup::escaped;
 use core::fmt::Write;
 
 /// One line per setting, the fastest first.

@@ -1,6 +1,7 @@
 //! Classifies which bodies of a robot can meet at all, for all values of its joints, and compares with its SRDF.
 
 use super::model::moving_pairs;
+use crate::markup::escaped;
 use crate::progress;
 use serde::Serialize;
 use simdop::planning::{PlanningError, PlanningScene, RobotModel};
@@ -170,11 +171,6 @@ impl FatesReport {
         }
         Ok(())
     }
-}
-
-/// Text in an attribute of XML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
 /// Values that refute the reason for excluding a pair: whether the bodies meet there, and the values. The reason

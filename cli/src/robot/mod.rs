@@ -14,8 +14,8 @@ pub(super) use options::Options;
 
 use crate::body::{CapsReport, rounded_up};
 use crate::error::Error;
-use crate::progress;
 use crate::random::Random;
+use crate::{output, progress};
 use edges::{EdgeReport, Edges};
 use fates::FatesReport;
 use model::moving_pairs;
@@ -94,6 +94,12 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     if options.plan && !with_problems {
         return Err(Error::Option { option: "--plan", problem: "paths are those of --problems".into() });
     }
+    for read in [&options.urdf, &options.srdf] {
+        output::check_targets(
+            read.as_deref(),
+            [("--write-srdf", options.write_srdf.as_deref()), ("", None)],
+        )?;
+    }
     let model = model::read(options)?;
     let problems =
         if with_problems { Some(problems::read(options.problems.as_deref(), &model)?) } else { None };
@@ -108,7 +114,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         .transpose()
         .map_err(Error::Planning)?;
     if let (Some(path), Some(pairs)) = (&options.write_srdf, &pairs) {
-        std::fs::write(path, pairs.srdf(&model)).map_err(Error::io(path))?;
+        output::replace([(path.as_path(), pairs.srdf(&model).as_bytes())])?;
     }
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
