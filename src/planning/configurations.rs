@@ -103,13 +103,13 @@ impl PlanningScene {
         configurations: &[f64],
         free: &mut [bool],
     ) -> Result<(), PlanningError> {
-        Self::check_count(configurations, self.variables(), free)?;
+        Self::check_count(configurations, self.variables(), free.len())?;
         self.free_of_job(workspace, configurations, free)
     }
 
     /// Checks that there are `length` values for each place.
-    pub(super) fn check_count(values: &[f64], length: usize, places: &[bool]) -> Result<(), PlanningError> {
-        if length > 0 && length.checked_mul(places.len()) == Some(values.len()) {
+    pub(super) fn check_count(values: &[f64], length: usize, places: usize) -> Result<(), PlanningError> {
+        if length > 0 && length.checked_mul(places) == Some(values.len()) {
             Ok(())
         } else {
             Err(PlanningError::Values { given: values.len(), variables: length })
@@ -123,10 +123,8 @@ impl PlanningScene {
         length: usize,
         query: impl Fn(&mut Workspace, &[f64], &mut [bool]) -> Result<(), PlanningError> + Sync,
     ) -> Result<Vec<bool>, PlanningError> {
-        if length == 0 || !values.len().is_multiple_of(length) {
-            return Err(PlanningError::Values { given: values.len(), variables: length });
-        }
-        let mut free = vec![false; values.len() / length];
+        let mut free = vec![false; values.len().checked_div(length).unwrap_or(0)];
+        Self::check_count(values, length, free.len())?;
         let mut errors: Vec<Option<PlanningError>> = Vec::new();
         errors.resize_with(free.len().div_ceil(JOB), || None);
         let jobs = free.chunks_mut(JOB).zip(values.chunks(JOB * length)).zip(&mut errors).collect();

@@ -69,7 +69,7 @@ impl PlanningScene {
         free: &mut [bool],
     ) -> Result<(), PlanningError> {
         let length = 2 * self.variables();
-        Self::check_count(motions, length, free)?;
+        Self::check_count(motions, length, free.len())?;
         for (free, ends) in free.iter_mut().zip(motions.chunks(length)) {
             let (from, to) = ends.split_at(self.variables());
             *free = self.check_motion(workspace, [from, to])?.is_free();

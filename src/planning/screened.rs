@@ -46,10 +46,8 @@ impl PlanningScene {
     /// # Errors
     /// As [`PlanningScene::free`].
     pub fn free_by_bounds(&self, configurations: &[f64]) -> Result<Vec<Option<bool>>, PlanningError> {
-        if self.variables() == 0 || !configurations.len().is_multiple_of(self.variables()) {
-            let given = configurations.len();
-            return Err(PlanningError::Values { given, variables: self.variables() });
-        }
+        let count = configurations.len().checked_div(self.variables()).unwrap_or(0);
+        Self::check_count(configurations, self.variables(), count)?;
         let (mut workspace, mut verdicts) = (self.workspace(), Vec::new());
         for values in configurations.chunks(LANES * self.variables()) {
             let lanes = values.len() / self.variables();

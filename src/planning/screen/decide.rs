@@ -173,7 +173,7 @@ impl Screen {
         let mut unsure = asked & !mask(&far);
         for SeenBody { bodies, coarse, fine } in &pair.seen {
             let [p, q] = bodies.map(|body| &self.bodies[body]);
-            let Some((grid, _)) = self.bounds.grids.get(&bodies[0]) else { continue };
+            let Some((grid, _)) = &self.bounds.grids[bodies[0]] else { continue };
             for lane in lanes_of(unsure) {
                 let [of_p, of_q] = [p, q].map(
                     #[inline(always)]

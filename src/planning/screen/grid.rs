@@ -19,7 +19,6 @@ use crate::pose::Pose;
 use crate::range::Point;
 use crate::scene::SceneError;
 use crate::vector::{difference, length};
-use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -47,8 +46,9 @@ pub(super) struct GridSize {
     pub(super) inner: f64,
 }
 
-/// Grids around bodies of a robot, in the frames of their links, and where the bodies are in these. By body.
-pub(super) type LinkGrids = BTreeMap<usize, (ClearanceGrid, Pose)>;
+/// For each body of a robot: a grid around it in the frame of its link, and where the body is in that; none around a body
+/// that no other may meet.
+pub(super) type LinkGrids = Vec<Option<(ClearanceGrid, Pose)>>;
 
 /// Bounds of distances, for all cells of a box.
 #[derive(Clone, Debug)]

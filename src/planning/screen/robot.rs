@@ -3,7 +3,7 @@
 use super::chain::LaneChain;
 use super::grid::{ClearanceGrid, GridSize, LinkGrids};
 use super::links::LinkSpheres;
-use super::standing::Standing;
+use super::standing::{PROBE, Standing};
 use super::table::{PairTables, tables};
 use crate::exact::power_of_two;
 use crate::isa::Isa;
@@ -13,6 +13,7 @@ use crate::pose::Pose;
 use crate::query::Query;
 use crate::scene::{Scene, SceneError};
 use crate::vector::length;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// Cells along the diagonal of a body in the grid around it.
@@ -21,8 +22,6 @@ const ALONG: f64 = 64.0;
 const CELLS: f64 = power_of_two(18);
 /// Room for the errors of the lanes, relative to a radius.
 const MORE: f64 = 1.125;
-/// Radius of the probe that measures distances, relative to a cell.
-const PROBE: f64 = power_of_two(-10);
 
 /// The bounds of a robot, wherever it stands.
 #[derive(Clone, Debug)]
@@ -30,7 +29,6 @@ pub(in crate::planning) struct RobotBounds {
     /// Of each body.
     pub(super) spheres: Vec<LinkSpheres>,
     pub(super) tables: PairTables,
-    /// Of bodies that others may meet.
     pub(super) grids: LinkGrids,
     /// Upper bound of the distance of any point from the base.
     pub(super) size: f64,
@@ -50,13 +48,14 @@ impl RobotBounds {
             chain.reach_from_base(body.link as usize) + 2.0 * away
         };
         let size = spheres.iter().zip(kinematics.bodies()).map(reach).fold(0.0, f64::max);
-        let mut bounds = Self { spheres, tables: PairTables::default(), grids: LinkGrids::new(), size };
+        let mut bounds =
+            Self { spheres, tables: PairTables::default(), grids: vec![None; bodies.len()], size };
         for body in pairs.iter().flat_map(|&(i, j)| [i, j]) {
-            if !bounds.grids.contains_key(&body) {
+            if bounds.grids[body].is_none() {
                 let at = chain
                     .body_on_link(kinematics.bodies()[body].link as usize, &kinematics.bodies()[body].at);
                 let grid = bounds.grid_around(body, &at, &bodies[body]).ok()?;
-                let _ = bounds.grids.insert(body, (grid, at));
+                bounds.grids[body] = Some((grid, at));
             }
         }
         let of = (bodies, &bounds.spheres[..], &bounds.grids);
@@ -66,7 +65,7 @@ impl RobotBounds {
 
     /// Bytes of its tables and grids.
     pub(super) fn bytes(&self) -> usize {
-        self.tables.bytes() + self.grids.values().map(|(grid, _)| grid.bytes()).sum::<usize>()
+        self.tables.bytes() + self.grids.iter().flatten().map(|(grid, _)| grid.bytes()).sum::<usize>()
     }
 
     /// A grid around a body, for the spheres of all others.

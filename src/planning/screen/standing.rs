@@ -1,5 +1,6 @@
 //! Bodies that stand still, and the distance of a point from them.
 
+use crate::exact::power_of_two;
 use crate::planning::PlanningNode;
 use crate::pose::Pose;
 use crate::primitive::Shape;
@@ -7,6 +8,8 @@ use crate::query::Query;
 use crate::range::Point;
 use crate::scene::{Body, BodyId, Groups, Scene, SceneError};
 
+/// Radius of the probe in a grid, relative to a cell.
+pub(super) const PROBE: f64 = power_of_two(-10);
 /// Tolerance of distances.
 const TOLERANCE: f64 = 0.005;
 

@@ -116,7 +116,7 @@ pub(super) fn tables(
         if (1..=ALONG.len()).contains(&variables.len()) {
             let _ = tables.of.insert((i.min(j), i.max(j)), tables.all.len());
             let pair = (ids[i], ids[j]);
-            let inside = [i, j].map(|body| (&spheres[body].inside[..], grids.get(&body)));
+            let inside = [i, j].map(|body| (&spheres[body].inside[..], grids[body].as_ref()));
             let more = ROUNDING * size;
             tables.all.push(PairTable::new(kinematics, &mut scene, &ids, pair, &variables, more, inside)?);
         }

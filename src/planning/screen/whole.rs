@@ -7,9 +7,8 @@ use super::field::Field;
 use super::grid::{ClearanceGrid, GridSize};
 use super::lanes::LANES;
 use super::robot::RobotBounds;
-use super::standing::Standing;
+use super::standing::{PROBE, Standing};
 use super::table::{PairTable, ROUNDING};
-use crate::exact::power_of_two;
 use crate::node::Box3;
 use crate::range::Point;
 use crate::scene::{BodyId, SceneError};
@@ -20,8 +19,6 @@ use alloc::vec::Vec;
 
 /// Most grids.
 const MOST_FIELDS: usize = 4;
-/// Radius of the probe that measures distances, relative to a cell.
-const PROBE: f64 = power_of_two(-10);
 
 /// Bodies that stand still, by the moving bodies that are tested against them.
 type StandingGroups = BTreeMap<Vec<usize>, Vec<BodyId>>;
@@ -101,12 +98,11 @@ impl Screen {
                 if !around.scene.is_asked(bodies[0], bodies[1])? {
                     continue;
                 }
-                let pair = self.pair([i, j]);
                 match self.bounds.tables.find(i, j) {
-                    None => self.pairs.push(pair),
+                    None => self.pairs.push(self.pair([i, j])),
                     Some(table) => {
                         if !self.bounds.tables.get(table).is_some_and(PairTable::is_free) {
-                            self.tabled.push(TabledPair { table, pair });
+                            self.tabled.push(TabledPair { table, pair: self.pair([i, j]) });
                         }
                     }
                 }
@@ -125,7 +121,7 @@ impl Screen {
     /// The spheres of the second body in the grid around the first. `None` if there is no grid, or not one for spheres as
     /// large as these.
     fn seen(&self, bodies @ [a, b]: [usize; 2]) -> Option<SeenBody> {
-        let ([p, q], (grid, _)) = ([&self.bodies[a], &self.bodies[b]], self.bounds.grids.get(&a)?);
+        let ([p, q], (grid, _)) = ([&self.bodies[a], &self.bodies[b]], self.bounds.grids[a].as_ref()?);
         let seen = |sphere: &LaneSphere| {
             let more = self.chain.error_seen_from(p.link, q.link, &sphere.centre.map(f64::from));
             LaneSphere { outer: sphere.outer + more, inner: sphere.inner - more, ..*sphere }
