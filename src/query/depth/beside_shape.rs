@@ -9,7 +9,7 @@ use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::entry::{PrimitivePair, Query, QueryStats};
+use crate::query::entry::{Hint, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, length, unit};
@@ -18,13 +18,22 @@ use crate::vector::{difference, length, unit};
 const TOLERANCE: f64 = crate::exact::power_of_two(-20);
 
 pub(super) struct PosedShape<'t, N: Lanes, Q: Primitive> {
-    pub(super) query: Query,
+    query: Query,
     /// In the tree's frame, and bounded.
-    pub(super) shape: &'t Shape,
-    pub(super) tree: &'t BvhRef<'t, N, Q>,
+    shape: &'t Shape,
+    /// [`Shape::ball`].
+    ball: (Point, f64),
+    tree: &'t BvhRef<'t, N, Q>,
     /// The bodies meet if they are not farther apart.
-    pub(super) margin: f64,
-    pub(super) stats: QueryStats,
+    margin: f64,
+    stats: QueryStats,
+}
+
+impl<'t, N: Lanes, Q: Primitive> PosedShape<'t, N, Q> {
+    pub(super) fn new(query: &Query, shape: &'t Shape, tree: &'t BvhRef<'t, N, Q>, margin: f64) -> Self {
+        let (query, stats) = (query.with_hint(Hint::NONE), QueryStats::default());
+        Self { query, shape, ball: shape.ball(), tree, margin, stats }
+    }
 }
 
 /// The shape after a translation; `None` if it is out of range.
@@ -54,7 +63,7 @@ where
             return Ok(None);
         };
         let from_a = of_shape.direction.map(|x| -x);
-        let (centre, reach) = self.shape.ball();
+        let (centre, reach) = self.ball;
         let slack = slack((length(&centre) + reach) + self.tree.extent().max_coordinate, t);
         Ok(Some(Shared {
             radius: of_shape.lower + in_b.lower - slack,
@@ -84,7 +93,7 @@ where
     }
 
     fn far(&self) -> f64 {
-        let (centre, reach) = self.shape.ball();
+        let (centre, reach) = self.ball;
         let tree = self.tree.extent();
         let apart = length(&difference(&centre, &tree.frame.centre));
         1.01 * (reach + tree.radius + apart + self.margin)
@@ -100,7 +109,7 @@ where
         if !self.tree.is_solid() {
             return Ok((0.0, None));
         }
-        let (centre, _) = self.shape.ball();
+        let (centre, _) = self.ball;
         let back = difference(&self.tree.extent().frame.centre, t);
         let middle = core::array::from_fn(|i| 0.5 * (centre[i] + back[i]));
         let mut best: Option<Shared> = None;

@@ -48,6 +48,19 @@ pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) nearest: Hint,
 }
 
+impl<'t, N: Lanes, P: Primitive, Q: Primitive> PosedBodies<'t, N, P, Q> {
+    /// With the query's budget, and neither its hint nor packings nor a margin.
+    pub(super) fn new(
+        query: &Query,
+        a: &'t BvhRef<'t, N, P>,
+        b: &'t BvhRef<'t, N, Q>,
+        pose: &'t Pose,
+    ) -> Self {
+        let (query, stats) = (query.with_hint(Hint::NONE), QueryStats::default());
+        Self { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE, nearest: Hint::NONE }
+    }
+}
+
 impl<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>> PosedBodies<'_, N, P, Q>
 where
     Shapes: PrimitivePair<P> + PrimitivePair<Q>,

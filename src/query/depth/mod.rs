@@ -20,7 +20,7 @@ pub use interval::DepthInterval;
 pub use packings::Packings;
 pub use signed::SignedDistance;
 
-use super::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
+use super::entry::{Completion, PrimitivePair, Query, QueryStats};
 use super::lanes::Lanes;
 use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::pose::Pose;
@@ -74,18 +74,7 @@ impl Query {
         Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
     {
         with_bvhs(a, b, |a, b| {
-            let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            interval(&mut PosedBodies {
-                query,
-                a,
-                b,
-                pose,
-                packings,
-                margin: 0.0,
-                stats,
-                hint: self.hint,
-                nearest: Hint::NONE,
-            })
+            interval(&mut PosedBodies { packings, hint: self.hint, ..PosedBodies::new(self, a, b, pose) })
         })
     }
 
@@ -109,18 +98,7 @@ impl Query {
         Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
     {
         with_bvhs(a, b, |a, b| {
-            let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-            let mut bodies = PosedBodies {
-                query,
-                a,
-                b,
-                pose,
-                packings: None,
-                margin: 0.0,
-                stats,
-                hint: Hint::NONE,
-                nearest: Hint::NONE,
-            };
+            let mut bodies = PosedBodies::new(self, a, b, pose);
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
             (far, bodies.stats)
         })
@@ -155,18 +133,7 @@ impl Query {
     where
         Shapes: PrimitivePair<P> + PrimitivePair<Q>,
     {
-        let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-        interval(&mut PosedBodies {
-            query,
-            a,
-            b,
-            pose,
-            packings: None,
-            margin,
-            stats,
-            hint: self.hint,
-            nearest: Hint::NONE,
-        })
+        interval(&mut PosedBodies { margin, hint: self.hint, ..PosedBodies::new(self, a, b, pose) })
     }
 
     /// Of a shape in the tree's frame.
@@ -184,7 +151,6 @@ impl Query {
             let distance = |away: &Shape| self.shape_distance(away, tree, TIGHTEST, f64::INFINITY);
             return half_space_depth(shape, &tree.extent(), margin, distance);
         }
-        let (query, stats) = (self.with_hint(Hint::NONE), QueryStats::default());
-        interval(&mut PosedShape { query, shape, tree, margin, stats })
+        interval(&mut PosedShape::new(self, shape, tree, margin))
     }
 }
