@@ -2273,7 +2273,7 @@ simdop_error simdop_planner_check_states(const simdop_planner *planner,
  * Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside of it: what
  * a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is not finite is
  * not near. `values` has a number for each variable that is planned for, and `points` three for each point. `near` has
- * room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are.
+ * room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are. The call allocates.
  *
  * # Safety
  * The arrays have these lengths.
