@@ -1,10 +1,10 @@
 # Parts of .ci/run, .ci/sweep, .ci/mutations and .ci/bochs, which source this file in the project's folder.
 # shellcheck shell=bash
-# shellcheck disable=SC2034 # used by who sources this
+# shellcheck disable=SC2034 # used by the scripts that source this
 
-# Without line tables, which nobody reads here, all builds are shorter.
+# Omits line tables, which nobody reads here, to shorten builds.
 export CI=true CARGO_TERM_COLOR=never CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_INCREMENTAL=0 CARGO_NET_RETRY=5
-# No times are measured here, and optimising across codegen units takes a fifth of the time to compile.
+# Omits optimisation across codegen units, a fifth of the compile time, since no times are measured here.
 export CARGO_PROFILE_RELEASE_LTO=off
 export DEBIAN_FRONTEND=noninteractive
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
@@ -12,14 +12,14 @@ SIMDOP_DATA=$(realpath -m "${SIMDOP_DATA:-../shared/data}")
 export SIMDOP_DATA
 
 NEON=aarch64-unknown-linux-gnu
-# The smallest core that robots use: NEON and none of the later extensions, whose instructions end a test there.
+# The smallest core that robots use. It has NEON but no later extensions, whose instructions would abort a test.
 NEON_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu -cpu cortex-a53"
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
-# For Miri, whose detection answers what the crate is compiled for: the features of the tokens in src/isa.
+# For Miri, where detection reports the features that the crate is compiled for: those of the tokens in src/isa.
 X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
 # Target, package in tests/no_std_consumer, and the instruction set that its queries must report. x86_64-unknown-none
-# has a soft-float ABI and no vector kernels: those run without std in a Linux process.
+# has a soft-float ABI and no vector kernels: these run without std in a Linux process.
 BARE=(
   "thumbv7em-none-eabihf cortex-m-consumer scalar"
   "aarch64-unknown-none aarch64-none neon"
@@ -28,11 +28,11 @@ BARE=(
 )
 CONSUMERS=tests/no_std_consumer
 
-# Profile, packages and features of the README's test command, once `host_selection` has read it. All that is built in
-# that profile for this machine is built with them, so that nothing is built twice.
+# Profile, packages and features of the README's test command, after `host_selection` has read it. All builds in that
+# profile for this machine use them, so that nothing is built twice.
 HOST=()
-# The same with the feature that tests and benches of devices need.
-WITH_GPU=()
+# For tests and benches that need a device: the library with only the features that they use.
+WITH_GPU=(--profile suite -p simdop --features gpu,rayon)
 
 # A caller's flags would change what is tested.
 clear_flags() {
@@ -45,7 +45,7 @@ die() {
   exit 1
 }
 
-# What ran where, for the summary.
+# Records what ran where, for the summary.
 evidence() { echo "  $*" >>"$LOGS/evidence"; }
 
 have() { command -v "$1" >/dev/null 2>&1; }
@@ -69,7 +69,7 @@ install_rust_parts() {
   done
 }
 
-# PACKAGE:PROOF, the proof being a command or a file that the package brings.
+# install_packages PACKAGE:PROOF...: the proof is a command or a file that the package installs.
 install_packages() {
   local pair missing=()
   for pair; do
@@ -97,11 +97,9 @@ host_selection() {
   [ "${words[*]:0:4}" = "cargo test --profile suite" ] ||
     die "the README's test command does not begin with cargo test --profile suite"
   HOST=("${words[@]:2}")
-  # wgpu takes longer to build than all else, and most users have no use for it.
-  WITH_GPU=("${HOST[@]}" --features simdop/gpu)
 }
 
-# The instruction sets of this CPU that tests must run on, with commas.
+# The instruction sets of this CPU that tests must run on, separated by commas.
 host_isas() { if has_avx512; then echo avx2,avx512; else echo avx2; fi; }
 
 # neon ARGUMENTS...: cargo test for aarch64 on an emulated CPU.
@@ -110,22 +108,25 @@ neon() {
     cargo test --locked --profile suite --target "$NEON" "$@"
 }
 
-# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be
-# looked at.
+# miri_kernels TARGET: the kernels' law in Miri. Skips the tests of the scalar kernels, which take part in every test
+# and have no unsafe code.
 miri_kernels() {
   MIRIFLAGS=-Zmiri-disable-isolation \
     cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
 }
 
-# short_bench NAME: a benchmark in its short form.
-short_bench() {
-  step "$1, short"
-  timeout 120 cargo bench --quiet --locked "${WITH_GPU[@]}" --bench "$1" -- --test
-  evidence "bench $1, short"
+# benches_of HOST|WITH_GPU: prints the benches of devices, or all others.
+benches_of() {
+  local bench with
+  for bench in benches/*.rs; do
+    bench=$(basename "$bench" .rs) with=HOST
+    [[ $bench != gpu* ]] || with=WITH_GPU
+    [ "$with" != "$1" ] || echo "$bench"
+  done
 }
 
 # fuzz_all RUNS SEED OPTIONS...: each target has an oracle; seed and count make a run repeatable. Built with the address
-# sanitizer and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
+# sanitizer and overflow checks. New inputs that the fuzzer finds go to a temporary folder.
 fuzz_all() {
   local targets target runs count=$1 seed=$2
   shift 2
@@ -143,7 +144,7 @@ fuzz_all() {
   done
 }
 
-# conclude WHERE LOG ISA...: fails unless tests passed, and for each instruction set some that are named after it
+# conclude WHERE LOG ISA...: fails unless tests passed, including some named after each instruction set
 # (`overlap_1v16_obeys_the_law_avx2`).
 conclude() {
   local place=$1 log=$2 passed ignored isa count line

@@ -74,8 +74,8 @@ fn main() {
     page::begin(
         "SIMD, arity, planes and splitter",
         "Medians, in microseconds a query: a mesh against itself until the first hit, k = 18, one triangle a \
-         leaf. Counts are means over the poses at 0 %. Every system gives the library's verdict at every pose, \
-         which is checked first.",
+         leaf. Counts are means over the poses at 0 %. First checks that every system gives the library's verdict at \
+         every pose.",
     );
     let mut all = Vec::new();
     for (name, mesh) in meshes() {
@@ -190,12 +190,12 @@ fn summary(meshes: &[Vec<Timed>]) {
     };
     let distances = DISTANCES.map(|(name, _)| name).join(" | ");
     let rules = "---|".repeat(DISTANCES.len());
-    show!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
+    show!("## Times relative to the first system's, geometric means of {} meshes\n", meshes.len());
     show!("| system | {distances} |\n|---|{rules}");
     for (i, Timed { name, .. }) in first.iter().enumerate() {
         show!("{}", row(name, [i, 0]));
     }
-    show!("\n## What each idea buys: time without it / with it, beside what the SIMDop paper says\n");
+    show!("\n## Gain from each idea: time without it / with it, and the SIMDop paper's figure\n");
     show!("| idea | {distances} | the paper |\n|---|{rules}---|");
     for Idea { what, without, with, paper } in IDEAS {
         let place = |name: &str| {

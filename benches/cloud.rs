@@ -55,7 +55,7 @@ const MOVEMENTS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
 /// detect a bad tree, and where every point moves anywhere one search of such a tree takes seconds.
 const WILD: (f64, usize) = (1e-1, 200_000);
 
-/// Relative to the diagonal.
+/// Radii relative to the diagonal.
 const RADII: [f64; 3] = [0.005, 0.01, 0.02];
 const STEPS: usize = 10;
 
@@ -120,7 +120,7 @@ struct Moving {
     upkeep: Upkeep,
     by_ratio: bool,
     counts: Vec<u32>,
-    /// Of every step, and of every rebuild.
+    /// Milliseconds of every step, and of every rebuild.
     refits: Vec<f64>,
     searches: Vec<f64>,
     rebuilds: Vec<f64>,
@@ -196,7 +196,7 @@ fn mean(times: &[f64]) -> f64 {
 
 fn figure_10(sizes: &[usize]) -> String {
     let steps = count(STEPS, 2);
-    show!("Figure 10: {steps} steps, milliseconds a step, and rebuilds.\n");
+    show!("Figure 10: milliseconds a step, and rebuilds, for {steps} steps.\n");
     show!(
         "| points | movement | radius | neighbours | {0}: all | refit | search | rebuild | rebuilds | {1}: all | refit | search | rebuild | rebuilds |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",

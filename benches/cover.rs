@@ -47,8 +47,8 @@ const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 fn main() {
     page::begin(
         "Covers",
-        "Medians, in microseconds a query: a mesh against itself / the tree of the spheres that cover it / these \
-         spheres against the mesh. Errors are shares of the diagonal.",
+        "Medians, in microseconds a query: the mesh against itself / the spheres that cover it against themselves \
+         / the spheres against the mesh. Errors are shares of the diagonal.",
     );
     show!("| mesh | as | error | spheres | cover, s | bytes, of the mesh's | 1 % deep | 0 % | 1 % | 5 % |");
     show!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|");

@@ -1,9 +1,9 @@
 //! Depths of meshes: `cargo bench --bench depth` prints a table. A minute, most of it to pack spheres.
 //!
 //! A mesh is moved against itself, by both methods of `support/suites.rs`, until it is 1 % and 5 % of its diagonal
-//! beyond the first contact. Each pose is asked with packings of [`SPHERES`] spheres and without, at several budgets.
-//! Every upper bound is checked with the exact query, and a sample of translations below every lower bound. Beside the
-//! ratio of the bounds stands that of each to a sampled depth: the shortest free translation along some thousand
+//! beyond the first contact. Each pose is queried with packings of [`SPHERES`] spheres and without, at several budgets.
+//! The exact query checks every upper bound, and sampled translations below every lower bound. The table has the ratio
+//! of the bounds, and that of each bound to a sampled depth: the shortest free translation along some thousand
 //! directions, and along others near the best of them.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
@@ -51,8 +51,8 @@ fn main() {
         "Depth",
         &format!(
             "Upper over lower bound of the depth, and microseconds a query, at {} poses of a mesh against itself; \
-             infinite where nothing is known yet. Packings of {SPHERES} spheres. Sampled: the shortest of the free \
-             translations along some thousand directions.",
+             infinite without a lower bound. Packings of {SPHERES} spheres. *Sampled*: the shortest free translation \
+             along some thousand directions.",
             count(POSES, 4)
         ),
     );

@@ -165,7 +165,7 @@ fn main() {
     page::begin(
         "Edges of a planner",
         "Microseconds an edge of the Panda, forward kinematics included, the least of five runs. *Certified*: \
-         `Scene::check_motion`. *Sampled*: 32 samples for a unit of length. *Missed*: hits that no sample shows. \
+         `Scene::check_motion`. *Sampled*: 32 samples per unit of length. *Missed*: hits that no sample finds. \
          *Times*: placements of the robot.",
     );
     let Some(data) = directory() else { return };

@@ -76,8 +76,8 @@ fn main() {
     let Some(data) = directory() else { return };
     page::begin(
         "Splitters: queries and builds",
-        "Milliseconds a build, microseconds a query, k = 32, arity 16, a mesh against itself. *Pays after*: as \
-         many queries save what the build takes longer than that of the fast preset.",
+        "Milliseconds a build, microseconds a query, k = 32, arity 16, a mesh against itself. *Pays after*: the \
+         number of queries that save the additional build time over the fast preset.",
     );
     let mut rows = Vec::new();
     for &model in some(&MODELS) {

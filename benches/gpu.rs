@@ -11,7 +11,7 @@
 //! An idle GPU lowers its clock. "After a pause" is its first tree after the scalar builder's work; the other times are
 //! for trees built back to back, after warm-up.
 
-#![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
 #[path = "support/page.rs"]
 mod page;

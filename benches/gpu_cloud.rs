@@ -12,7 +12,7 @@
 //! kernels and is not counted. All lists and neighbours are compared with the CPU's. An idle GPU lowers its clock: its
 //! calls are timed back to back, after warm-up.
 
-#![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
 #[path = "support/page.rs"]
 mod page;
@@ -150,8 +150,8 @@ fn main() {
     let gpu = Gpu::new().unwrap();
     page::begin(
         "Points on a device",
-        "Medians, in milliseconds, uniform points, some 30 neighbours each. *In and out*: transfers to the device \
-         and back.",
+        "Medians, in milliseconds; uniform points with some 30 neighbours each. *In and out*: transfers to the \
+         device and back.",
     );
     let info = gpu.info();
     show!("{} ({} {}, {:?}); CPU: {}", info.name, info.driver, info.driver_info, info.backend, Isa::detect());

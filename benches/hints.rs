@@ -54,7 +54,7 @@ fn main() {
     page::begin(
         "Hints",
         &format!(
-            "Microseconds a query without hints, with the hint of the step before, and the ratio: medians over {} \
+            "Microseconds a query without hints, with the hint of the previous step, and the ratio: medians over {} \
              sweeps of {} steps.",
             sweeps(),
             steps()

@@ -47,8 +47,8 @@ fn main() {
     let ratios: Vec<String> = isas.windows(2).map(|two| format!("{} / {}", two[1], two[0])).collect();
     page::begin(
         "Instruction sets",
-        "Microseconds a query, median / mean / p99, with ratios of medians and means. Verdicts and counters are \
-         compared first.",
+        "Microseconds a query, median / mean / p99, with ratios of medians and means. Verdicts and query \
+         statistics are compared first.",
     );
     show!("| A, B | k | planes | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
     show!("|---|--:|---|---|{}", "--:|".repeat(columns.len() + ratios.len()));

@@ -271,7 +271,9 @@ impl Row {
         let is_overlap = !self.kernel.starts_with("realign");
         let empty = if is_overlap { format!(", {percent:.0} % of the masks empty") } else { String::new() };
         show!(
-            "\n{} k = {}, {}: {} calls{empty}\n\n| variant | ns a node | GB/s | x scalar | x papers' | x fixed point |\n|---|---|---|---|---|---|",
+            "\n{} k = {}, {}: {} calls{empty}\n\n\
+             | variant | ns a node | GB/s | x scalar | x papers' | x fixed point |\n\
+             |---|---|---|---|---|---|",
             self.kernel,
             self.k,
             self.level,
@@ -305,10 +307,10 @@ fn main() {
     if std::env::var_os("SIMDOP_SUMMARY").is_some() || page::is_wanted() {
         page::begin(
             "Kernels",
-            "Nanoseconds a call of an overlap kernel, medians, on the calls of real queries: cow and armadillo \
-             against themselves, almost touching, and of the rotation of a node's planes. *Papers*: the kernels of \
-             the SIMDop paper. *Half*: planes in half floats. Every variant gives the scalar kernel's bits, which \
-             is checked first.",
+            "Median nanoseconds of a call of an overlap kernel, on the calls of real queries (cow and armadillo \
+             against themselves, almost touching), and of the rotation of a node's planes. *Papers*: the kernels of \
+             the SIMDop paper. *Half*: planes in half floats. First checks that every variant gives the scalar \
+             kernel's bits.",
         );
         for_each_row(|row| row.print_summary());
         page::write();

@@ -2,10 +2,10 @@
 //! lanes --features planning`. Three minutes.
 //!
 //! The Panda and the UR5 on some problems of MotionBenchMaker, at random configurations, on one core. *Scene* decides
-//! each by the scene; *bounds* is the same call after `use_bounds`, with the verdicts compared; *bounds alone* leaves
-//! open what the bounds do not decide. *VAMP-like* decides by VAMP's sphere models of the robots, against the same
-//! obstacles as shapes (`lanes/sphere_checker.rs`). All alternate; of 256 configurations
-//! the least of nine rounds, and of these the medians.
+//! each with the scene; *bounds* is the same call after `use_bounds`, with the verdicts compared; *bounds alone* leaves
+//! open what the bounds do not decide. *VAMP-like* uses VAMP's sphere models of the robots, against the same obstacles
+//! as shapes (`lanes/sphere_checker.rs`). All run in turns, nine rounds for each 256 configurations; the least time of
+//! the rounds counts, and medians of these are shown.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -13,6 +13,8 @@
 mod data;
 #[path = "support/page.rs"]
 mod page;
+#[path = "support/planning_scenes.rs"]
+mod planning_scenes;
 #[path = "lanes/plot.rs"]
 mod plot;
 #[path = "../tests/support/rng.rs"]
@@ -26,11 +28,12 @@ mod sphere_checker;
 
 use data::directory;
 use page::show;
+use planning_scenes::{load, scene_of};
 use plot::Mark;
 use rng::Rng;
-use robots::{Problem, SETTINGS, Setting};
+use robots::{SETTINGS, Setting};
 use short::count;
-use simdop::planning::{PlanningScene, RobotFiles, RobotModel};
+use simdop::planning::PlanningScene;
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::scene::Body;
@@ -42,16 +45,16 @@ use std::time::Instant;
 
 /// Width of a cell, in metres.
 const CELL: f64 = 0.02;
-/// In the long form.
+/// Rounds of a full run.
 const ROUNDS: usize = 9;
-/// Configurations of a problem, in the long form.
+/// Configurations of a problem in a full run.
 const MANY: usize = 2048;
-/// Configurations of a measurement: less than a time slice of the system.
+/// Configurations of a measurement, which takes less than a time slice of the system.
 const RUN: usize = 256;
-/// The checkers: microseconds a configuration are in this order.
+/// The checkers, in the order of [`Figures::times`].
 const NAMES: [&str; 4] = ["scene", "bounds", "bounds alone", "VAMP-like"];
 
-/// What was measured of a robot.
+/// The measurements of a robot.
 #[derive(Default)]
 struct Figures {
     name: &'static str,
@@ -64,9 +67,9 @@ struct Figures {
     updates: Vec<f64>,
     bytes: usize,
     all: usize,
-    /// By whether bounds decide, and whether it is free.
+    /// Configurations, by whether bounds decide, and by whether they are free.
     shares: [[usize; 2]; 2],
-    /// By spheres: free ones that they call hits, and hits that they call free.
+    /// Wrong verdicts of the spheres: free configurations called hits, and hits called free.
     wrong: [usize; 2],
     /// Pairs of bodies that meet where bounds leave a configuration open.
     open: BTreeMap<String, usize>,
@@ -75,15 +78,15 @@ struct Figures {
 fn main() {
     page::begin(
         "Configurations in lanes",
-        "Microseconds a configuration, random configurations among the obstacles of MotionBenchMaker, one core, \
-         kinematics included: of 256 of them the least of nine rounds, and of these the medians. *Scene*: `PlanningScene::free`. *Bounds*: the same after `use_bounds` with cells \
-         of 2 cm; no verdict differs. *Bounds alone*: what the bounds do not decide stays open. *VAMP-like*: VAMP's \
-         sphere models of the robots, sixteen configurations at a time in `f32`, against the same boxes and cylinders; \
-         an end as soon as all sixteen are hits. Pairs of links whose spheres meet in all of 4,096 configurations are \
-         not tested.",
+        "Microseconds a configuration, for random configurations among the obstacles of MotionBenchMaker, on one \
+         core, kinematics included: the median over runs of 256 configurations, each the least of nine rounds. \
+         *Scene*: `PlanningScene::free`. *Bounds*: the same after `use_bounds` with cells of 2 cm; no verdict \
+         differs. *Bounds alone*: what the bounds do not decide stays open. *VAMP-like*: VAMP's sphere models of \
+         the robots, sixteen configurations at a time in `f32`, against the same boxes and cylinders, until all \
+         sixteen are hits; without the pairs of links whose spheres meet in all of 4,096 configurations.",
     );
     let Some(folder) = directory() else { return };
-    // The bounds of the UR5 take twice as long to make as those of the Panda.
+    // A short run takes the Panda: the UR5's bounds take twice as long to compute.
     let settings = SETTINGS.iter().filter(|setting| !setting.is_drawn).take(count(SETTINGS.len(), 1));
     let mut all: Vec<Figures> = settings.map(|setting| measure(&folder, setting)).collect();
     let marks = print(&mut all);
@@ -99,19 +102,9 @@ fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     (start.elapsed().as_secs_f64(), result)
 }
 
-fn scene_of(model: &Arc<RobotModel>, problem: &Problem) -> PlanningScene {
-    let mut scene = PlanningScene::new(Arc::clone(model)).unwrap();
-    for obstacle in &problem.obstacles {
-        let at = Pose::try_from(obstacle.at).unwrap();
-        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-    }
-    scene
-}
-
 fn measure(folder: &Path, setting: &Setting) -> Figures {
     let at = folder.join("robots").join(setting.robot);
-    let file = |extension: &str| at.join(format!("{}.{extension}", setting.robot));
-    let model = Arc::new(RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap());
+    let model = Arc::new(load(setting, folder));
     let mut spheres = SphereRobot::read(&at, setting.robot, &model.robot().variables);
     let mut rng = Rng::new(3);
     let mut random = |scene: &PlanningScene, count: usize| -> Vec<f64> {
@@ -132,7 +125,7 @@ fn measure(folder: &Path, setting: &Setting) -> Figures {
         }
         let values = random(&scene, count(MANY, 128));
         for values in values.chunks(RUN * scene.variables()) {
-            // Of some rounds the least: others may use the core.
+            // The least of some rounds, since other programs may use the core.
             let mut least = [f64::INFINITY; 4];
             for round in 0..count(ROUNDS, 1) {
                 let (exact_time, exact) = timed(|| scene.free(values).unwrap());
@@ -198,7 +191,7 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Shows the tables. Returns what the plot shows.
+/// Shows the tables. Returns the marks of the plot.
 fn print(all: &mut [Figures]) -> Vec<Mark> {
     let mut marks = Vec::new();
     show!(
@@ -224,7 +217,7 @@ fn print(all: &mut [Figures]) -> Vec<Mark> {
         }
     }
     show!("\n![time against wrong verdicts](lanes.svg)\n");
-    show!("Who decides, in percent of the configurations, and what the bounds take:\n");
+    show!("How configurations are decided, in percent, and the time and memory of the bounds:\n");
     show!(
         "| robot | free by bounds | free by the scene | hit by bounds | hit by the scene | first bounds, s | bounds \
          of another world, ms | one object moved, ms | bytes | pairs of links without spheres' test |"

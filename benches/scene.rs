@@ -73,8 +73,8 @@ struct World<'t> {
 fn main() {
     page::begin(
         "Scenes",
-        "Microseconds a configuration of a robot among obstacles, means of the least of 15 passes. Forward \
-         kinematics are not in the time.",
+        "Microseconds a configuration of a robot among obstacles, means of the least of 15 passes. Times \
+         exclude forward kinematics.",
     );
     let Some(data) = directory() else { return };
     for setting in &SETTINGS {
@@ -437,7 +437,7 @@ fn covers_first<'t>(
     cells.join(", ")
 }
 
-/// Configurations of each problem that are checked at once.
+/// Configurations of each problem that one call checks.
 const AT_ONCE: usize = 256;
 
 /// One bit for each configuration: whether it is free.

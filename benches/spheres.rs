@@ -98,11 +98,11 @@ fn main() {
     show!("{}", report::table(&asked, |row| row.volume));
     show!("Queries, yes or no:\n\n{}", report::table(&asked, |row| row.verdict));
     show!("All scenes and sizes, geometric means of the ratios to the first:\n\n{}", report::summary(&asked));
-    show!("Volumes as weights, work with over work without (least to most over the starts):\n");
+    show!("Volumes as weights: work with weights over work without (range over the starts):\n");
     show!("{}", report::table_of_weights(&weights));
     show!(
-        "Bounds of volumes with a part of the visits, estimates and their errors, over the volume, medians of the \
-         poses that share one:\n"
+        "Bounds after a part of the visits, estimates and their errors, relative to the volume; medians over the \
+         poses with a shared volume:\n"
     );
     show!("{}", bounds::table(&bounds));
 

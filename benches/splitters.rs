@@ -51,8 +51,8 @@ fn main() {
     let Some(data) = directory() else { return };
     page::begin(
         "Visits by splitter",
-        "Visits of pairs of nodes a query, means over the poses: a mesh against itself, k = 18, arity 16, one \
-         triangle a leaf. The counts are the same on every machine.",
+        "Visits per query, means over the poses: a mesh against itself, k = 18, arity 16, one triangle a \
+         leaf. The counts are the same on every machine.",
     );
     show!("| mesh | splitter | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
     show!("|---|---|{}", "---|".repeat(DISTANCES.len()));
@@ -67,7 +67,10 @@ fn main() {
         let [rivals @ .., best] = &visits;
         fewest += usize::from(rivals.iter().all(|rival| best.iter().zip(rival).all(|(best, r)| best <= r)));
     }
-    show!("\nThe last needs the fewest at all distances on {fewest} of {} meshes.", some(&MODELS).len());
+    show!(
+        "\nThe last splitter needs the fewest visits at all distances on {fewest} of {} meshes.",
+        some(&MODELS).len()
+    );
     page::write();
 }
 

@@ -5,7 +5,7 @@
 //! the maximum over poses of a torus and a cube against themselves, some of which need exact arithmetic, which uses the
 //! most. `tests/queries/stack.rs` checks the bounds given in the crate's documentation.
 
-#![expect(unsafe_code, reason = "the stack below the own frame is nobody's variable")]
+#![expect(unsafe_code, reason = "no variable lives on the stack below the own frame")]
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
 #[path = "support/page.rs"]
@@ -135,7 +135,7 @@ fn rows<N: Lanes>() {
 fn main() {
     page::begin(
         "Stack",
-        "Bytes of stack that a query takes below its caller's frame, the greatest over poses of a torus and a \
+        "Bytes of stack that a query takes below its caller's frame, the maximum over poses of a torus and a \
          cube against themselves.",
     );
     show!("STACK_BYTES {STACK_BYTES}, DISTANCE_STACK_BYTES {DISTANCE_STACK_BYTES}\n");

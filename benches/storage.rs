@@ -45,8 +45,8 @@ fn main() {
     page::begin(
         "Fixed point and half floats",
         "Collision queries at k = 18 and arity 16: microseconds a query, median / mean / p99, with ratios of each, \
-         half floats to fixed point. Triangle pairs and visits are means a query. Trees are equally large in both \
-         storages. The verdicts of both are compared first.",
+         half floats to fixed point. Triangle pairs and visits are means per query. Trees are equally large in \
+         both storages. The verdicts of both are compared first.",
     );
     show!(
         "| A, B | distance | fixed | half | half / fixed | pairs, fixed | half | visits, fixed | half | bytes a \

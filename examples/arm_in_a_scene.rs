@@ -4,8 +4,8 @@
 //! cargo run --release --example arm_in_a_scene
 //! ```
 //!
-//! An arm of two capsules holds a can, a cylinder, and rotates about its shoulder beside a shelf on a table. All are
-//! shapes, which need no meshes: the answers are those of round bodies.
+//! An arm of two capsules holds a can, a cylinder, and rotates about its shoulder beside a shelf on a table. All bodies
+//! are shapes, not meshes, so the answers hold for the round bodies themselves.
 
 use simdop::glam::{DAffine3, DVec3};
 use simdop::primitive::Shape;
@@ -31,7 +31,7 @@ fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     let at = |x: f64, z: f64| Pose::try_from(DAffine3::from_translation(DVec3::new(x, 0.0, z)));
 
-    // Without trees, any type of nodes will do.
+    // No body has a tree, so any node type will do.
     let mut scene: Scene<'_, Node16<18>> = Scene::new();
     let rest = arm(0.0, 0.0);
     let upper = scene.insert(Body::new(Shape::capsule(0.06, UPPER_ARM)?), &Pose::try_from(rest[0])?)?;

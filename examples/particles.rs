@@ -34,19 +34,19 @@ struct Particles {
 }
 
 impl Particles {
-    /// Half of them lie in an 800th of the volume, where they have just enough room.
+    /// Half of them lie in an 800th of the volume, where they barely fit.
     fn new(count: usize) -> Self {
         let (random, reach) = (&mut Random(4), 0.3 * (count as f32).cbrt());
         let positions: Vec<[f32; 3]> = (0..count)
             .map(|_| (random.direction() * (reach * (0.05 + random.unit().powi(4)))).to_array())
             .collect();
-        // Each moves on a circle of its own around the centre, so that the density stays, and particles meet.
+        // Each moves on its own circle around the centre, so that the density stays constant, and particles meet.
         let circle = |p: &[f32; 3]| {
             let p = Vec3::from(*p);
             p.cross(random.direction()).normalize_or_zero() * p.length() * PULL.sqrt()
         };
         let velocities = positions.iter().map(circle).collect();
-        // As many from 0.0005 to 0.001 as from 0.0125 to 0.025.
+        // As many radii from 0.0005 to 0.001 as from 0.0125 to 0.025.
         let radii: Vec<f32> = (0..count).map(|_| 0.025 * 50.0_f32.powf(-random.unit())).collect();
         let reaches = radii.iter().map(|r| r + r).collect();
         Self { positions, velocities, radii, reaches }

@@ -44,7 +44,7 @@ type Configuration = [f64; 4];
 
 const PLANS: usize = 10;
 
-/// Maximum length of a step of a tree, in the joints.
+/// Maximum length of a step of a tree, in units of the joint values.
 const STEP: f64 = 0.5;
 
 fn distance(p: &Configuration, q: &Configuration) -> f64 {

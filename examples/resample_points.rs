@@ -1,4 +1,4 @@
-//! Resampling: a few samples spread evenly over the surface that many noisy points represent.
+//! Resampling: spreads a few samples evenly over the surface that many noisy points represent.
 //!
 //! ```sh
 //! cargo run --release --example resample_points

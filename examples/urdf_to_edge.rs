@@ -1,4 +1,4 @@
-//! From a URDF to a checked motion: may the robot move from here to there, at all times?
+//! From a URDF to a checked motion: is the robot's motion from here to there free at all times?
 //!
 //! ```sh
 //! cargo run --release --features planning --example urdf_to_edge

@@ -175,10 +175,26 @@ impl Frame {
         if key == Key::INFINITY {
             return true;
         }
+        let plane = key.to_f64() * power_of_two(-self.exponent);
+        let (mut rounded, mut size) = (plane, plane.abs());
+        for i in 0..3 {
+            rounded -= direction[i] * (p[i] - self.centre[i]);
+            size += direction[i].abs() * (p[i].abs() + self.centre[i].abs());
+        }
+        // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
+        if rounded.abs() > power_of_two(-48) * size {
+            return rounded > 0.0;
+        }
+        self.is_bounded_exactly(direction, p, plane)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn is_bounded_exactly(&self, direction: &Point, p: Point, plane: f64) -> bool {
         // Components of directions are small integers.
         let n = direction.map(|x| x as i16);
         let mut slack = SupportSum::ZERO;
-        slack.add(key.to_f64() * power_of_two(-self.exponent));
+        slack.add(plane);
         for axis in 0..3 {
             slack.add_multiple(-n[axis], p[axis]);
             slack.add_multiple(n[axis], self.centre[axis]);
@@ -314,6 +330,36 @@ const fn binary_exponent(x: f64) -> i32 {
 mod tests {
     use super::*;
     use crate::directions::Directions;
+
+    /// Points up to 2^10 roundings off a plane.
+    #[test]
+    fn rounded_sums_decide_as_exact_ones() {
+        const K: usize = 26;
+        let mut bits = 1_u64;
+        let mut random = || {
+            // Marsaglia's xorshift.
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            bits as f64 * power_of_two(-63) - 1.0
+        };
+        let mut decided = [0; 2];
+        for case in 0..20_000 {
+            let frame = Frame { centre: [random(), random(), random()], exponent: 14 };
+            let n = &Directions::<K>::VECTORS[case % K];
+            let key = Key::<Fixed>::from_code((30_000.0 * random()) as i16).unwrap();
+            let axis = (0..3).find(|&i| n[i] != 0.0).unwrap();
+            let mut p = [random(), random(), random()];
+            let others: f64 = (0..3).filter(|&i| i != axis).map(|i| n[i] * (p[i] - frame.centre[i])).sum();
+            let plane = key.to_f64() * power_of_two(-frame.exponent);
+            p[axis] = frame.centre[axis] + (plane - others) / n[axis];
+            p[axis] += random() * power_of_two(-53 + (case % 11) as i32);
+            let want = frame.is_bounded_exactly(n, p, plane);
+            assert_eq!(frame.is_bounded(n, p, key), want, "{frame:?} {n:?} {p:?} {key:?}");
+            decided[usize::from(want)] += 1;
+        }
+        assert!(decided.iter().all(|count| *count > 5000), "{decided:?}");
+    }
 
     /// Points on a plane and a few ulps off it, with sums that no single `f64` represents.
     fn planes_are_decided_exactly<const K: usize>() {

@@ -6,14 +6,14 @@
 //! | [`Half`] | the half float with the ordered code c | 11 bits anywhere, more about the centre |
 //!
 //! The unit of a tree's frame is one step of fixed point, chosen so that 16 bits cover the whole body
-//! ([`crate::frame`]): a half then is a number of such steps, below 2^15.
+//! ([`crate::frame`]): a half float then counts these steps, up to 2^15.
 //!
 //! In both storages a plane is rounded **up**, keys order as their values do, and `value(!c) = -value(c)`. So the hot
 //! loop compares a plane with the opposite plane of the other body by one 16-bit integer compare, without conversion,
 //! and does not know the storage.
 //!
-//! Three codes are not planes of a body. [`Key::INFINITY`], in queries only, means that a rotated body is unbounded
-//! in that direction, or extends farther than any plane. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is
+//! Three codes are not planes of a body. [`Key::INFINITY`], in queries only, means that a rotated body is unbounded in
+//! that direction, or extends farther than any plane. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is
 //! below the complement of infinity, so that even a query that is unbounded in every direction is separated from it.
 //! Its complement 32767 is in the queries of unused lanes, and is separated from everything.
 

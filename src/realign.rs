@@ -12,10 +12,10 @@
 //! on the rotation alone. A query computes them once; then a plane costs three multiplications and three additions, for
 //! 16 children at once.
 //!
-//! **Why rounding cannot lose a collision.** All of it is in `f32`, except for the vector s between the centres of the
-//! frames, so that a core without `f64` need not emulate it for every plane. `offset` has a pad for each rounded
-//! quantity, once for all nodes. With `e = 2^-24`, `|n|` the sum of magnitudes of a direction's components,
-//! `S = max |s|` in the frame, and `rho` the ratio of the units:
+//! **Why rounding cannot lose a collision.** All computations are in `f32`, except for the vector s between the centres
+//! of the frames, so that a core without `f64` need not emulate it for every plane. `offset` includes a pad for each
+//! rounded quantity, once for all nodes. With `e = 2^-24`, `|n|` the sum of magnitudes of a direction's components, `S
+//! = max |s|` in the frame, and `rho` the ratio of the units:
 //!
 //! | rounded | error, at most | pad |
 //! |---|---|---|
@@ -35,13 +35,13 @@
 //! 4. And all planes of a body 2^100 times smaller than the other ([`crate::query`]).
 //! 5. Of bodies 2^100 times larger than the other.
 //!
-//! The pad is a sum of products of numbers that are not negative. So one factor covers its own roundings, each `e` of a
-//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key, for
-//! half floats upwards: by up to 2^-10 of it.
+//! The pad is a sum of products of numbers that are not negative. So one factor covers its own roundings, each of which
+//! is `e` of a partial result. For a body of B's size, the pad is a twentieth of a step. The rotated plane is then
+//! rounded to a key; for half floats upwards, by up to 2^-10 of it.
 //!
 //! **Radii.** A pose moves the corners of a primitive, but everything within its radius of them keeps its shape. The
-//! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
-//! matrix may by 1e-4. So `shrinkage` moves the planes of bodies with radii further out.
+//! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` if M makes vectors shorter, as an accepted matrix
+//! may by 1e-4. So `shrinkage` moves the planes of bodies with radii farther out.
 
 mod ball;
 mod inverse;
@@ -112,7 +112,7 @@ const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-80) as f32;
 const MAX_REACH: f32 = power_of_two(126) as f32;
 
 impl<const K: usize, S: Storage> Realignment<K, S> {
-    /// To be overwritten.
+    /// Initial value, to be overwritten.
     pub(crate) const UNSET: Self =
         Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K], storage: PhantomData };
 
@@ -132,7 +132,7 @@ impl<const K: usize, S: Storage> Realignment<K, S> {
         map
     }
 
-    /// [`Self::new`] in place: a returned value was copied, and took as much stack again.
+    /// [`Self::new`] in place: returning the value copied it, which took as much stack again.
     // Inlined into the query, so that it is compiled for the query's instruction set.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "several columns share the index")]
@@ -174,7 +174,7 @@ impl<const K: usize, S: Storage> Realignment<K, S> {
             let pad =
                 ((weight_sum * per_weight + length * per_length) + UNDERFLOW_OF_SINGLES) * ITS_OWN_ROUNDINGS;
             let is_bounded = reach < MAX_REACH;
-            // What the values of planes are above their numbers.
+            // The amount by which planes exceed their numbers.
             let pad = S::OFFSET * weight_sum + pad;
             offsets[s] = if is_bounded { [tau + pad, pad - tau] } else { [f32::INFINITY; 2] };
         }
@@ -242,8 +242,8 @@ pub(crate) fn slack_of_shift(pose: &Pose, a: &BodyBounds, b: &Frame) -> f64 {
     2.0 * (F64_SLACK * coordinates(pose, a, b) + MIN_COORDINATE)
 }
 
-/// What a margin must grow by if A's primitives have radii, and volumes of A are compared after rotation by M: at least
-/// as much as M makes any of the radii shorter or longer. No radius exceeds half of the body's width.
+/// The amount by which a margin must grow if A's primitives have radii, and volumes of A are compared after rotation by
+/// M: at least as much as M shortens or lengthens any of the radii. No radius exceeds half of the body's width.
 #[inline(always)]
 pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &BodyBounds) -> f64 {
     if !P::IS_ROUND {

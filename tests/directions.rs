@@ -1,9 +1,12 @@
 //! Every set of directions against oracles that do not use its hull, its grid or its walk: the definition of a
 //! decomposition, and the best of all triples of directions.
 
+#[path = "support/data.rs"]
+mod data;
 #[path = "support/rng.rs"]
 mod rng;
 
+use data::suite_step;
 use rng::Rng;
 use simdop::low_level::directions::{Directions, SUPPORTED, table};
 
@@ -105,7 +108,7 @@ fn check_decomposition<const K: usize>(u: Vector) -> f64 {
 fn random_rays<const K: usize>() {
     let mut rng = Rng::new(K as u64);
     let triples = Triples::new::<K>();
-    for i in 0..100_000 {
+    for i in 0..100_000 / suite_step() {
         let u = ray(&mut rng);
         let cost = check_decomposition::<K>(u);
         if i % 10 == 0 {
@@ -132,7 +135,8 @@ fn borders<const K: usize>() {
             }
         }
     }
-    for ray in rays {
+    // Coprime to the step of small suites: all kinds of rays.
+    for ray in rays.into_iter().step_by(if suite_step() > 1 { 7 } else { 1 }) {
         for axis in 0..3 {
             let x = ray[axis];
             for beside in [x.next_down(), x, x.next_up(), x - 1e-10, x + 1e-10] {

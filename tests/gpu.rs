@@ -189,12 +189,12 @@ fn compare_meshes(wanted: Wanted) {
     }
 }
 
-/// llvmpipe is slow: small meshes with every seed, large ones with one seed for each combination of lanes and
-/// weights.
+/// llvmpipe is slow: small meshes with every seed, and one tree of each large one, with the combinations of lanes and
+/// weights in turn. `.ci/sweep` has all.
 #[test]
 fn real_meshes_have_the_scalar_builders_bytes() {
     compare_meshes(|mesh, triangles, combination, seed| {
-        triangles < 6000 || seed == (mesh + 3 * combination) as u32 % 10
+        triangles < 6000 || combination == mesh % 4 && seed == mesh as u32 % 10
     });
 }
 

@@ -1,4 +1,4 @@
-//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay in
+//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go to lower layers, intrinsics and `unsafe` stay in
 //! their modules, files stay short.
 //!
 //! The rules examine the text of `src/` with comments and literals blanked. Each rule has a test that it
@@ -42,6 +42,8 @@ const UNSAFE: [&str; 5] = ["kernel/avx2/", "kernel/avx512/", "kernel/neon/", "is
 
 /// The greatest number of lines of a library file, without its unit tests.
 const MAX_LINES: usize = 500;
+/// Characters of a line, except for rows of tables.
+const MAX_WIDTH: usize = 120;
 
 /// A violation of a rule, with its line, counted from 1.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -220,7 +222,7 @@ fn is_in(path: &str, places: &[&str]) -> bool {
 
 // ---- The rules --------------------------------------------------------------------------------------------
 
-/// An import must go down.
+/// An import must go to a lower layer.
 fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let (module, _) = module_of(path);
@@ -249,7 +251,7 @@ fn stray_intrinsics(path: &str, source: &str) -> Vec<Finding> {
     if is_in(path, &INTRINSICS) { Vec::new() } else { places.collect() }
 }
 
-/// `unsafe` is allowed only there and in the byte view.
+/// `unsafe` is allowed only in the same places and in the byte view.
 fn stray_unsafe(path: &str, source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let places = places_of(&code, "unsafe").map(|at| finding(line_of(&code, at), "unsafe"));
@@ -292,6 +294,14 @@ fn too_long(path: &str, source: &str) -> Vec<Finding> {
     }
 }
 
+/// Lines that are too wide.
+fn too_wide(source: &str) -> Vec<Finding> {
+    let is_row = |line: &str| line.trim_start_matches([' ', '/', '!', '"']).starts_with('|');
+    let wide = |line: &str| line.chars().count() > MAX_WIDTH && !is_row(line);
+    let lines = source.lines().enumerate().filter(|(_, line)| wide(line));
+    lines.map(|(i, line)| finding(i + 1, format!("{} characters", line.chars().count()))).collect()
+}
+
 /// The types that a file defines for its whole module, with their lines.
 fn types_defined(source: &str) -> Vec<(usize, String)> {
     let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
@@ -316,7 +326,7 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
 struct Module<'f> {
     /// Its names from the root.
     path: Vec<&'f str>,
-    /// Without unit tests and imports for documentation.
+    /// Its code, without unit tests and imports for documentation.
     code: String,
 }
 
@@ -377,8 +387,8 @@ fn uses(code: &str, accepts: impl Fn(&str) -> bool) -> Vec<(usize, usize)> {
     places_of(code, "use").filter_map(statement).collect()
 }
 
-/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. What
-/// the folder's own file defines, beside re-exports, counts as a file `mod`.
+/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. Items
+/// that the folder's own file defines, apart from re-exports, count as a file `mod`.
 fn circular_imports(files: &[(String, String)]) -> Vec<String> {
     let is_read = |path: &str| !is_root(path) && !path.ends_with("tests.rs") && !path.contains("/tests/");
     let modules: Vec<Module<'_>> = files
@@ -507,6 +517,18 @@ fn library_files_are_short() {
     assert_none(too_long);
 }
 
+#[test]
+fn lines_are_narrow() {
+    let mut seen = 0;
+    for folder in ["src", "cli", "capi", "python", "tests", "benches", "examples"] {
+        for (path, source) in sources_in(folder) {
+            seen += 1;
+            assert_eq!(too_wide(&source), [], "{folder}/{path}");
+        }
+    }
+    assert!(seen > 500, "the rule saw {seen} files");
+}
+
 /// The files of a folder can be read one after the other, from the lowest up.
 #[test]
 fn files_do_not_import_in_circles() {
@@ -605,14 +627,14 @@ fn circular_imports_are_found() {
     ] {
         assert!(circles(&[("a/low.rs", no_import), high, re_export]).is_empty(), "{no_import}");
     }
-    // What a folder's own file defines.
+    // The items that a folder's own file defines.
     for own in ["mod low;\nstruct X(low::Low);", "mod low;\npub use low::Low;\nstruct X(Low);"] {
         let circle = circles(&[("a/mod.rs", own), ("a/low.rs", "use super::X;")]);
         assert_eq!(circle, ["a: low -> mod", "a: mod -> low"], "{own}");
         assert_eq!(circles(&[("a.rs", own), ("a/low.rs", "use super::X;")]), circle, "{own}");
         assert!(circles(&[("a/mod.rs", own), low]).is_empty(), "{own}");
     }
-    // Of three, in a folder below.
+    // A circle of three files, in a folder below.
     let three = [("a/b/x.rs", "use super::y;"), ("a/b/y.rs", "use super::z;"), ("a/b/z.rs", "use super::x;")];
     assert_eq!(circles(&three), ["a/b: x -> y", "a/b: y -> z", "a/b: z -> x"]);
 }
@@ -662,6 +684,13 @@ fn unproven_unsafe_is_found() {
         [],
         "its contract is a doc comment: clippy asks for it"
     );
+}
+
+#[test]
+fn wide_lines_are_found() {
+    let line = "x".repeat(MAX_WIDTH);
+    assert_eq!(too_wide(&format!("{line}\n//! | {line} |\n")), []);
+    assert_eq!(too_wide(&format!("{line}\n{line}y\n")), [finding(2, "121 characters")]);
 }
 
 #[test]

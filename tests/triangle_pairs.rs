@@ -116,7 +116,7 @@ impl fmt::Display for Bits<'_> {
 
 // ---- treatments -------------------------------------------------------------------------------------------
 
-/// What is done to a pair that was built on a dyadic grid.
+/// The treatment of a pair that was built on a dyadic grid.
 #[derive(Clone, Copy, Debug)]
 enum Treatment {
     /// Scaled by a power of two and shifted by an integer: nothing is rounded, and contacts stay exact.
@@ -196,7 +196,7 @@ struct Shape {
     contact: Contact,
 }
 
-/// What is known without an oracle.
+/// The answer that is known without an oracle.
 #[derive(Clone, Copy, PartialEq)]
 enum Contact {
     Unknown,

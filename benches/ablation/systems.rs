@@ -27,7 +27,7 @@ type Collide = Box<dyn Fn(&Pose) -> (bool, Work)>;
 /// One system with the mesh's tree.
 pub(crate) struct Entrant {
     pub(crate) name: String,
-    /// Of the nodes.
+    /// Bytes of the nodes.
     pub(crate) bytes: usize,
     pub(crate) collide: Collide,
 }

@@ -2,9 +2,10 @@
 //! the tests of these.
 //!
 //! It follows the library's step by step (`src/query/collide/traverse.rs`): it caches the last realigned node of A,
-//! decides pairs of leaves when their bits appear, descends with a leaf of A by the planes of its moved corners, keeps masks
-//! instead of pairs on the stack, and ends at the first hit. The predicate is the library's, too. Binary trees differ
-//! in one respect: all four pairs of children are tested at once, without first testing which rows can have a bit.
+//! decides pairs of leaves when their bits appear, descends with a leaf of A by the planes of its moved corners, keeps
+//! masks instead of pairs on the stack, and ends at the first hit. The predicate is the library's, too. Binary trees
+//! differ in one respect: all four pairs of children are tested at once, without first testing which rows can have a
+//! bit.
 
 use super::tree::{Dop, K, Tree};
 use core::ops::ControlFlow;

@@ -53,7 +53,7 @@ pub(crate) struct Tree<const W: usize, S: System<W>> {
     pub(crate) header: Header,
     pub(crate) frame: Frame,
     vertices: Vec<Point>,
-    /// In the order of the leaves.
+    /// Triangles, in the order of the leaves.
     triangles: Vec<[u32; 3]>,
 }
 

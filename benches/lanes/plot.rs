@@ -1,15 +1,15 @@
-//! Time against wrong verdicts.
+//! A plot of time against wrong verdicts.
 
 use plotters::prelude::*;
 use std::path::Path;
 
-/// A checker of a robot.
+/// The result of a checker on a robot.
 pub(crate) struct Mark {
     pub(crate) robot: usize,
     pub(crate) text: String,
     /// Microseconds a configuration.
     pub(crate) time: f64,
-    /// Of all verdicts, in percent.
+    /// Wrong verdicts, in percent of all.
     pub(crate) wrong: f64,
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn plot(file: &Path, marks: &[Mark]) {
         let colour = COLOURS[mark.robot % COLOURS.len()];
         let at = (mark.time, mark.wrong);
         chart.draw_series([Circle::new(at, 6, colour.filled())]).unwrap();
-        // Exact checkers are side by side at the bottom.
+        // Exact checkers are close together at the bottom, so their labels are staggered.
         let up = -14 - 20 * (i as i32 % 3);
         let label = EmptyElement::at(at)
             + PathElement::new([(0, -6), (6, up + 8)], colour.stroke_width(1))

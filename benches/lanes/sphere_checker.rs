@@ -1,9 +1,10 @@
-//! A checker in the manner of VAMP (Thomason, Kingston, Kavraki: Motions in microseconds via vectorized planning, 2024):
-//! links as few spheres, sixteen configurations at a time in `f32`, and an end as soon as all of them are hits.
+//! A checker in the manner of VAMP (Thomason, Kingston, Kavraki: Motions in microseconds via vectorized planning,
+//! 2024): links as a few spheres, and sixteen configurations at a time in `f32`, until all of them are hits.
 //!
-//! As there, a sphere around each link comes before its spheres, obstacles are sorted by their distance from the base
-//! so that most are never read, and what stands upright has a shorter test. Unlike there, cylinders are cylinders and
-//! not capsules, and each configuration has a verdict of its own. The rotated frames of the joints are not unrolled.
+//! As in VAMP, a sphere around each link is tested before the link's spheres, obstacles are sorted by their distance
+//! from the base so that most are never read, and upright obstacles have a shorter test. Unlike in VAMP, cylinders are
+//! not replaced by capsules, each configuration has its own verdict, and kinematics are not unrolled into straight-line
+//! code.
 
 use crate::robots::{Obstacle, Shape};
 use glam::{DAffine3, DQuat, DVec3};
@@ -40,7 +41,7 @@ struct Link {
     frame: usize,
     whole: Ball,
     balls: Vec<Ball>,
-    /// Where its spheres begin among those of all links.
+    /// Index of its first sphere among those of all links.
     first: usize,
 }
 
@@ -93,13 +94,13 @@ fn around(balls: &[Ball]) -> Ball {
 }
 
 impl SphereRobot {
-    /// From the URDF file, the SRDF file and the spheres in a folder. `variables`: the order of the values.
+    /// Reads the URDF file, the SRDF file and the spheres in a folder. `variables`: the order of the values.
     pub(crate) fn read(folder: &Path, name: &str, variables: &[String]) -> Self {
         let text = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
         let urdf = urdf_rs::read_from_string(&text(&format!("{name}.urdf"))).unwrap();
         let root =
             urdf.links.iter().find(|link| urdf.joints.iter().all(|joint| joint.child.link != link.name));
-        // Of each link, its frame and its pose in that, which is rotated so that the joint's axis is the third.
+        // For each link: its frame, rotated so that the joint's axis is the third, and its pose in that frame.
         let mut placed = vec![(root.unwrap().name.clone(), 0, DAffine3::IDENTITY)];
         let (mut joints, mut next) = (Vec::new(), 0);
         while let Some((parent, frame, at)) = placed.get(next).cloned() {
@@ -158,7 +159,7 @@ impl SphereRobot {
         self.memory.balls.len()
     }
 
-    /// Tests no pair of links any more whose spheres meet in all of these configurations, as in VAMP. Returns their
+    /// Stops testing the pairs of links whose spheres meet in all of these configurations, as VAMP does. Returns their
     /// number.
     pub(crate) fn drop_pairs_that_always_meet(&mut self, configurations: &[f64]) -> usize {
         let all = core::mem::take(&mut self.pairs);
@@ -196,7 +197,7 @@ impl SphereRobot {
         free
     }
 
-    /// In which of these lanes something meets.
+    /// The lanes, among these, in which bodies meet.
     #[inline(always)]
     fn hits(&mut self, world: &SphereWorld, lanes: u16) -> u16 {
         let Self { joints, links, pairs, memory } = self;
@@ -246,7 +247,7 @@ impl SphereRobot {
     }
 }
 
-/// The spheres of a table, by links. `placed`: the frame of each link, and its pose there.
+/// The spheres of a table, by link. `placed`: the frame of each link, and its pose there.
 fn links(table: &str, placed: &[(String, usize, DAffine3)]) -> Vec<Link> {
     let mut by_link: BTreeMap<usize, Vec<Ball>> = BTreeMap::new();
     for line in table.lines().skip(1) {
@@ -327,10 +328,10 @@ impl Joint {
     }
 }
 
-/// Adding it rounds a number below 2^22 to an integer, in the lowest bits.
+/// Adding this rounds a number below 2^22 to an integer, in the lowest bits.
 const ROUND: f32 = 12_582_912.0;
 
-/// Of angles of a few turns, within 1e-6.
+/// Sines and cosines of angles of up to a few turns, within 1e-6.
 #[inline(always)]
 fn sine_and_cosine(angles: &Lane16) -> [Lane16; 2] {
     let [mut sines, mut cosines] = [[0.0_f32; LANES]; 2];
@@ -353,7 +354,7 @@ fn mask(flags: &[u32; LANES]) -> u16 {
     flags.iter().fold(0, |mask, flag| mask | flag) as u16
 }
 
-/// In which lanes two points are at most so far apart.
+/// The lanes in which two points are at most this far apart.
 #[inline(always)]
 fn do_meet(a: &Point16, b: &Point16, radii: f32) -> u16 {
     let mut flags = [0_u32; LANES];
@@ -364,16 +365,16 @@ fn do_meet(a: &Point16, b: &Point16, radii: f32) -> u16 {
     mask(&flags)
 }
 
-/// A cuboid or a cylinder. The rows are its axes in the world.
+/// A cuboid or a cylinder; `rows` are its axes in the world.
 struct Solid {
     at: [f32; 3],
     rows: [[f32; 3]; 3],
-    /// Half of the sides; of a cylinder the radius, twice, and half of its height.
+    /// Half the side lengths; for a cylinder the radius, twice, and half the height.
     half: [f32; 3],
     is_round: bool,
-    /// Whether its third axis is that of the world.
+    /// Whether its third axis is the world's z axis.
     is_upright: bool,
-    /// Distance from the base of the robot, at least.
+    /// A lower bound on its distance from the robot's base.
     near: f32,
 }
 
@@ -390,7 +391,7 @@ impl SphereWorld {
                 Shape::Cylinder { radius, height } => ([radius, radius, 0.5 * height], true),
             };
             let to_solid = obstacle.at.matrix3.transpose();
-            // Of the base, in the frame of the obstacle.
+            // The base, in the frame of the obstacle.
             let base = to_solid * -obstacle.at.translation;
             let gaps = [0, 1, 2].map(|i| (base[i].abs() - half[i]).max(0.0));
             let sides =
@@ -409,10 +410,10 @@ impl SphereWorld {
         Self { solids }
     }
 
-    /// In which lanes a sphere meets an obstacle.
+    /// The lanes in which a sphere meets an obstacle.
     #[inline(always)]
     fn meets(&self, p: &Point16, radius: f32) -> u16 {
-        // Numbers that are not negative are in the order of their bits.
+        // Nonnegative floats order like their bits.
         let mut away = 0;
         for ((x, y), z) in p[0].iter().zip(&p[1]).zip(&p[2]) {
             away = (x * x + y * y + z * z).to_bits().max(away);
@@ -450,7 +451,7 @@ impl Solid {
             let along = if UPRIGHT { z } else { c[0] * x + c[1] * y + c[2] * z };
             let off = beyond(along.abs() - half[2]);
             let square = if ROUND {
-                // Of an upright one, the axis is where x and y are.
+                // The axis of an upright cylinder has fixed x and y.
                 let square = x * x + y * y + if UPRIGHT { 0.0 } else { z * z - along * along };
                 let side = beyond(beyond(square).sqrt() - half[0]);
                 side * side
@@ -471,7 +472,7 @@ impl Solid {
     }
 }
 
-/// A length, or 0 of a negative one.
+/// A length, or 0 if it is negative.
 #[inline(always)]
 fn beyond(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }

@@ -8,7 +8,7 @@ use simdop::primitive::Sphere;
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct Shared {
     pub(crate) volume: f64,
-    /// Of spheres that meet.
+    /// Pairs of spheres that meet.
     pub(crate) pairs: u64,
 }
 

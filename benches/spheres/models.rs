@@ -15,7 +15,7 @@ pub(crate) struct Model {
     pub(crate) spheres: Vec<Sphere>,
     /// Shares of the mesh's volume covered by the first sphere, the first two, and so on.
     pub(crate) shares: Vec<f64>,
-    /// Of the mesh's box.
+    /// The centre and half the diagonal of the mesh's box.
     centre: [f64; 3],
     half_diagonal: f64,
 }

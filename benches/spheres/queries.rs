@@ -16,7 +16,7 @@ use simdop::query::{Completion, Lanes, Query, QueryStats};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Of a path.
+/// Number of poses of a path.
 const POSES: usize = 400;
 /// Passes of each tree along a path, of which the minimum counts for each pose: limited by the total number of spheres,
 /// and clamped to this range.
@@ -99,11 +99,11 @@ pub(crate) struct Scene<'m> {
 /// The cost of a query.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Cost {
-    /// In microseconds.
+    /// Times in microseconds.
     pub(crate) mean: f64,
     pub(crate) median: f64,
     pub(crate) p99: f64,
-    /// Mean.
+    /// The mean work.
     pub(crate) work: Work,
 }
 
@@ -121,7 +121,7 @@ pub(crate) struct Row {
     pub(crate) spheres: usize,
     pub(crate) arity: usize,
     pub(crate) division: &'static str,
-    /// Of both trees.
+    /// Number of nodes of both trees.
     pub(crate) nodes: usize,
     pub(crate) depth: u32,
     pub(crate) balanced: usize,

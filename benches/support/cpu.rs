@@ -1,6 +1,6 @@
 //! The processor, for pages of results.
 
-/// Its name, and family and model, since one name can cover several kinds.
+/// The processor's name, and family and model, since one name can cover several kinds.
 pub(crate) fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let of = |key: &str| {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
 
-/// What was shown so far.
+/// The lines shown so far.
 static TEXT: Mutex<String> = Mutex::new(String::new());
 
 /// Prints a line of Markdown, and keeps it for the page.
@@ -56,7 +56,7 @@ pub(crate) fn folder() -> PathBuf {
     folder
 }
 
-/// Writes the page, if pages are.
+/// Writes the page, if pages are written.
 pub(crate) fn write() {
     if !is_wanted() {
         return;
@@ -90,14 +90,14 @@ fn command() -> String {
     command
 }
 
-/// Of the sources, with a `+` if they were changed since. Pages do not count.
+/// The commit of the sources, with a `+` if they have changed since. Changed pages do not count.
 fn commit() -> String {
     let changes = output("git", &["status", "--porcelain", "--", ".", ":!benches/results"]);
     let mark = if changes.is_empty() { "" } else { "+" };
     output("git", &["rev-parse", "--short", "HEAD"]) + mark
 }
 
-/// What a program prints, or "unknown".
+/// The output of a program, or "unknown".
 fn output(program: &str, arguments: &[&str]) -> String {
     let run = Command::new(program).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
     match run {

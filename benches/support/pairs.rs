@@ -36,5 +36,5 @@ pub(crate) fn spread(mut ratios: Vec<f64>) -> String {
     let mean = (ratios.iter().map(|x| x.ln()).sum::<f64>() / ratios.len() as f64).exp();
     ratios.sort_by(f64::total_cmp);
     let [least, middle, greatest] = [0, ratios.len() / 2, ratios.len() - 1].map(|i| ratios[i]);
-    format!("{least:.3} to {greatest:.3}, in the middle {middle:.3}, geometric mean {mean:.3}")
+    format!("{least:.3} to {greatest:.3}, median {middle:.3}, geometric mean {mean:.3}")
 }

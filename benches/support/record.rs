@@ -13,7 +13,7 @@ use simdop::query::Lanes;
 use turned::{turned_4, turned_16};
 
 #[path = "../../tests/support/turned.rs"]
-#[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
+#[expect(unreachable_pub, reason = "public for the fuzz targets, where it is part of a library")]
 mod turned;
 
 /// One call of an overlap kernel.
@@ -285,7 +285,7 @@ impl<Q, N: Clone> Recording<Q, N> {
         Self { queries: self.queries.clone(), nodes, calls }
     }
 
-    /// With these answers, for planes that were rounded once more.
+    /// The same calls with these answers, for planes that were rounded once more.
     pub(crate) fn answered(mut self, mask: impl Fn(&Q, usize, &N) -> u16) -> Self {
         for call in &mut self.calls {
             let (query, node) = (&self.queries[call.query as usize], &self.nodes[call.node as usize]);

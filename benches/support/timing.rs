@@ -1,4 +1,4 @@
-//! Times of variants of a query that run in turns.
+//! Times of variants of a query, which run in turns.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 /*
- * An arm's link that holds a tetrahedron, beside a box: do they meet, and how near do they come? A swinging link: does
- * it meet a thin wall on its way? And an arm with two joints: how does it get past a post? Links and obstacles are
- * shapes. Compiles as C99 and as C++11.
+ * Three questions. An arm's link that holds a tetrahedron, beside a box: do they meet, and how near do they come? A
+ * swinging link: does it meet a thin wall on its way? An arm with two joints: how does it get past a post? Links and
+ * obstacles are shapes. Compiles as C99 and as C++11.
  *
  * Lengths are in metres. Exits with 0 only if each answer is as expected; `capi/check` builds and runs it.
  */
@@ -92,7 +92,7 @@ static int slide_go_to(void *user, double time, simdop_pose *poses) {
     return slide->left-- == 0;
 }
 
-/* All points of the body move equally far: over the whole time, from one place to the other. 1e-12 covers rounding. */
+/* All points of the body move equally far: in the whole time, from one place to the other. 1e-12 covers rounding. */
 static double slide_path(void *user, size_t body, const double *centre, double radius, double span) {
     const struct slide *slide = (const struct slide *)user;
     double square = 0;

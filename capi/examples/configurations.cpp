@@ -1,8 +1,9 @@
 /*
- * The part of configurations.rs that is in C++. That file says how to build it. `configurations PANDA_FOLDER` reads the
- * number of a row, checks its configurations, and writes the processor's seconds and how many are free, until its input
- * ends.
+ * The C++ part of configurations.rs, which says how to build it. Until its input ends, `configurations PANDA_FOLDER`
+ * reads the number of a row, checks its configurations, and writes the seconds of CPU time and how many configurations
+ * are free.
  */
+#include "obj.hpp"
 #include "simdop.hpp"
 
 #include <cmath>
@@ -17,49 +18,12 @@ namespace {
 constexpr std::size_t COUNT = 4096;
 constexpr double CELL = 0.02;
 
-/* Sides and places. */
+/* Side lengths and positions of boxes. */
 const std::array<std::array<double, 6>, 5> OBSTACLES = {{{1.2, 0.6, 0.05, 0.7, 0.0, 0.2},
                                                          {0.05, 0.6, 0.8, 0.9, 0.0, 0.6},
                                                          {0.4, 0.6, 0.03, 0.75, 0.0, 0.6},
                                                          {0.3, 0.3, 0.3, 0.0, 0.6, 0.15},
                                                          {0.2, 0.2, 0.6, -0.4, -0.4, 0.3}}};
-
-std::string text_of(const std::string &path) {
-    std::ifstream file(path);
-    if (!file) {
-        throw std::runtime_error(path + " cannot be read");
-    }
-    return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-/* A solid if it is closed. */
-simdop::body body_of(const std::string &path) {
-    std::vector<simdop::vec3> vertices;
-    std::vector<simdop::triangle> faces;
-    std::istringstream text(text_of(path));
-    for (std::string line; std::getline(text, line);) {
-        std::istringstream words(line);
-        std::string word;
-        words >> word;
-        if (word == "v") {
-            simdop::vec3 v{};
-            words >> v[0] >> v[1] >> v[2];
-            vertices.push_back(v);
-        } else if (word == "f") {
-            simdop::triangle face{};
-            for (std::uint32_t &corner : face) {
-                words >> word;
-                corner = static_cast<std::uint32_t>(std::stoul(word) - 1);
-            }
-            faces.push_back(face);
-        }
-    }
-    try {
-        return simdop::body::solid({vertices, faces});
-    } catch (const simdop::error &) {
-        return simdop::body::surface({vertices, faces});
-    }
-}
 
 template <class Insert> void insert_obstacles(Insert insert) {
     for (const auto &[x, y, z, at_x, at_y, at_z] : OBSTACLES) {
@@ -77,7 +41,8 @@ struct panda {
     panda(const simdop::description &description, const std::string &folder)
         : robot(description.build_robot()), poses(description.bodies()) {
         for (std::size_t i = 0; i < description.bodies(); i++) {
-            ids.push_back(scene.insert(body_of(folder + description.described_body(i).mesh_file)));
+            const simdop_described_body body = description.described_body(i);
+            ids.push_back(scene.insert(body_of(read_obj(folder + body.mesh_file, body.mesh_scale))));
         }
         description.select_pairs(text_of(folder + "panda.srdf"), scene, ids);
         insert_obstacles([this](const simdop::body &body, const simdop::pose &world) {

@@ -7,9 +7,9 @@
 //! cargo run --release -p simdop-capi --example configurations -- PANDA_FOLDER target/configurations
 //! ```
 //!
-//! The folder has `panda.urdf`, `panda.srdf` and the meshes. All run in turn, fifteen times; prints medians of
-//! microseconds of the processor for each configuration, and medians of ratios to Rust in the same round. The numbers
-//! of free configurations must be equal.
+//! The folder has `panda.urdf`, `panda.srdf` and the meshes. All run in turn, fifteen times. Prints the median CPU time
+//! of a configuration in microseconds, and the median ratio to Rust in the same round. All must find the same number of
+//! free configurations.
 
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -31,7 +31,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 const COUNT: usize = 4096;
 const ROUNDS: usize = 15;
-/// Width of the cells of bounds, in metres.
+/// Width of the cells of the bounds, in metres.
 const CELL: f64 = 0.02;
 
 type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
@@ -52,7 +52,7 @@ fn read_obj(path: &Path) -> Triangles {
     (vertices, triangles)
 }
 
-/// Boxes of a table and a shelf: sides and places.
+/// Boxes of a table and a shelf: side lengths and positions.
 const OBSTACLES: [([f64; 3], [f64; 3]); 5] = [
     ([1.2, 0.6, 0.05], [0.7, 0.0, 0.2]),
     ([0.05, 0.6, 0.8], [0.9, 0.0, 0.6]),
@@ -65,7 +65,7 @@ fn at([x, y, z]: [f64; 3]) -> simdop_pose {
     simdop_pose { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]] }
 }
 
-/// What a C function writes.
+/// The value that a C function writes.
 fn written<T>(ask: impl FnOnce(Option<&mut MaybeUninit<T>>) -> simdop_error) -> T {
     let mut place = MaybeUninit::uninit();
     assert_eq!(ask(Some(&mut place)), simdop_error::None);
@@ -76,7 +76,7 @@ fn written<T>(ask: impl FnOnce(Option<&mut MaybeUninit<T>>) -> simdop_error) -> 
 /// Checks all configurations; returns how many are free.
 type Run = Box<dyn FnMut() -> usize>;
 
-/// The robot, and what its files say. Never freed.
+/// The robot and the contents of its files. Never freed.
 struct Panda {
     folder: &'static Path,
     urdf: String,
@@ -187,7 +187,7 @@ fn cuboid([x, y, z]: [f64; 3]) -> simdop_shape {
     simdop_shape { kind, numbers: [x, y, z, 0.0], radius: 0.0, pose: at([0.0; 3]) }
 }
 
-/// A scene by itself: configurations one by one, and at once.
+/// A scene: configurations one by one, and many in one call.
 fn rust_scene(panda: &Panda, values: &'static [f64]) -> [Run; 2] {
     let (query, robot) = (Query::new(Isa::detect()), panda.robot);
     let (kinematics, variables) = (robot.kinematics().unwrap(), robot.limits.len());
@@ -297,7 +297,7 @@ fn c_planners(panda: &Panda, values: &'static [f64]) -> [Run; 2] {
     })
 }
 
-/// The program in C++, which waits until it is asked for a row.
+/// The C++ program, which waits for the number of a row.
 struct Cpp {
     program: Child,
     to: ChildStdin,
@@ -312,13 +312,13 @@ impl Cpp {
         Self { program, to, from: BufReader::new(from) }
     }
 
-    /// Ends its input, and waits for it.
+    /// Closes the program's input, and waits for its end.
     fn end(mut self) {
         drop(self.to);
         assert!(self.program.wait().unwrap().success());
     }
 
-    /// Seconds, and the number of free configurations.
+    /// Returns seconds, and the number of free configurations.
     fn run(&mut self, row: usize) -> (f64, usize) {
         writeln!(self.to, "{row}").unwrap();
         let mut line = String::new();
@@ -328,7 +328,7 @@ impl Cpp {
     }
 }
 
-// Of C, as in the other program: the processor's time of this one, since the machine may be busy.
+// C's clock, as in the C++ program: the CPU time of this process, since the machine may be busy.
 unsafe extern "C" {
     safe fn clock() -> c_long;
 }
@@ -336,7 +336,7 @@ unsafe extern "C" {
 fn timed(run: &mut Run) -> (f64, usize) {
     let start = clock();
     let free = run();
-    // POSIX has a million a second.
+    // POSIX: a million ticks a second.
     ((clock() - start) as f64 * 1e-6, free)
 }
 

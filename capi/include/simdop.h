@@ -3,9 +3,9 @@
  *
  * Bodies. A body is opened from the bytes of a baked tree, or built. Its tree has k = 18 and arity 16, the default of
  * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A body of one shape
- * has no tree, and goes with bodies of either storage. A query takes two bodies of one storage, A and B, and a pose
- * that places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests the pairs
- * that their roles select.
+ * has no tree, and can be tested against bodies of either storage. A query takes two bodies of one storage, A and B,
+ * and a pose that places A in the frame of B. A scene holds many bodies of one storage at poses in the world, and tests
+ * the pairs that their roles select.
  *
  * A motion query decides whether moving bodies meet at any time from 0 to 1, not only at samples of the time. A robot
  * moves bodies by joints.
@@ -14,10 +14,10 @@
  * most 2^300, and those below 2^-250 count as zero. Angles are in radians.
  *
  * Many at once. simdop_scene_check_states() and simdop_scene_check_joint_states() test many configurations in one call,
- * sixteen at a time; simdop_scene_place_all() places many bodies. A cloud is a set of points that move, which searches
- * and scenes use.
+ * sixteen at a time; simdop_scene_place_all() places many bodies. A cloud is a set of points that move, for searches
+ * and scenes.
  *
- * Planners. A simdop_planner reads a robot from its files and is asked by the values of its joints. Its functions are
+ * Planners. A simdop_planner reads a robot from its files and answers queries by joint values. Its functions are
  * declared if SIMDOP_PLANNING is defined, and those of simdop_description if SIMDOP_URDF is. CMake's targets and
  * pkg-config define both: the library has these functions unless it was built without its features planning and urdf.
  *
@@ -26,17 +26,17 @@
  * last failure.
  *
  * Pointers. NULL is an error, except where a handle is destroyed or NULL is said to be allowed. Any other pointer must
- * point to as many items as stated, which no thread writes during the call. No output may overlap an input.
+ * point to as many items as stated, and no thread may write them during the call. No output may overlap an input.
  *
  * Lifetimes. Opened bytes must exist, unchanged, until their body is destroyed. A body must exist until it is removed
  * from each scene it was inserted into, or the scene is destroyed. The same holds for a cloud, which must also not
  * change in the meantime.
  *
  * Threads. Several threads may use a handle at once where it is a pointer to const. A call that changes or destroys a
- * handle needs exclusive access to it. Messages belong to the thread that the failure was on.
+ * handle needs exclusive access to it. Messages belong to the thread on which a call failed.
  *
- * Linking. CMakeLists.txt installs the library for CMake and pkg-config. Otherwise, with libsimdop_capi.so, or
- * libsimdop_capi.a and on Linux -lpthread -lm -ldl.
+ * Linking. CMakeLists.txt installs the library for CMake and pkg-config. Otherwise, link libsimdop_capi.so, or
+ * libsimdop_capi.a and, on Linux, -lpthread -lm -ldl.
  *
  * Memory. Queries allocate nothing, except for the message of a failure, and for motions and configurations: see
  * SIMDOP_EDGE_ROOM and simdop_scene_check_states(). They use at most 64 KiB of stack. Functions that allocate say so.
@@ -51,12 +51,12 @@
 #include <stdint.h>
 
 /**
- * No limit on visits: then no answer is unknown.
+ * No limit on visits: no verdict is then unknown.
  */
 #define SIMDOP_NO_BUDGET UINT64_MAX
 
 /**
- * Index that stands for no primitive.
+ * The index that stands for no primitive.
  */
 #define SIMDOP_NO_PRIMITIVE UINT32_MAX
 
@@ -66,16 +66,16 @@
 #define SIMDOP_ALL_GROUPS UINT32_MAX
 
 /**
- * Capacity of a motion query: pairs of bodies, each with an interval of time that is still to be checked. It takes two
- * for each pair of bodies that come near each other, and more where they come close. Pairs beyond the capacity are
- * unresolved. A scene allocates this memory, 768 KiB, at its first motion query and keeps it. Later ones allocate
+ * Capacity of a motion query: pairs of bodies, each with an interval of time that is still to be checked. A query
+ * needs two for each pair of bodies that come near each other, and more if they come close. Pairs beyond the capacity
+ * are unresolved. A scene allocates this memory, 768 KiB, at its first motion query and keeps it. Later ones allocate
  * nothing, unless more bodies move, or a robot has more joints or variables.
  */
 #define SIMDOP_EDGE_ROOM 65536
 
 /**
  * The version of this header: a million times the major number, plus a thousand times the minor number, plus the patch
- * number. Before version 1, every minor number is another interface; from then on, every major number.
+ * number. Before version 1, every minor number changes the interface; from then on, every major number.
  */
 #define SIMDOP_VERSION 1000
 
@@ -92,11 +92,11 @@ typedef enum {
    */
   SIMDOP_ERROR_NULL = 1,
   /**
-   * A pointer is not aligned: the bytes of a tree to 64, an array to its items.
+   * A pointer is not aligned: the bytes of a tree to 64 bytes, an array as its items require.
    */
   SIMDOP_ERROR_MISALIGNED = 2,
   /**
-   * An array is larger than any array can be, or than a body may be.
+   * An array is larger than any array can be, or larger than a body may be.
    */
   SIMDOP_ERROR_TOO_LARGE = 3,
   /**
@@ -189,11 +189,11 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_VOLUME = 34,
   /**
-   * A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
+   * A vertex is NaN, infinite or beyond 2^300, or a shape extends beyond 2^300.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,
   /**
-   * A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300, or a round shape does.
+   * A sphere's radius is negative, NaN or infinite, or a sphere or round shape extends beyond 2^300.
    */
   SIMDOP_ERROR_BUILD_RADIUS = 41,
   /**
@@ -233,11 +233,11 @@ typedef enum {
    */
   SIMDOP_ERROR_SHAPE_NO_DIRECTION = 52,
   /**
-   * A half-space among the shapes of a tree, which are bounded: build it as a body of one shape.
+   * A half-space is among the shapes of a tree, which must be bounded: build it as a body of one shape.
    */
   SIMDOP_ERROR_SHAPE_UNBOUNDED = 53,
   /**
-   * A pose skews a cuboid: the cosine of the angle of two of its edges is beyond 1e-4.
+   * A pose skews a cuboid: the cosine of the angle between two of its edges exceeds 1e-4.
    */
   SIMDOP_ERROR_SHAPE_NOT_PERPENDICULAR = 54,
   /**
@@ -257,7 +257,7 @@ typedef enum {
    */
   SIMDOP_ERROR_OTHER_STORAGE = 61,
   /**
-   * The bodies of a volume query are not both of spheres.
+   * A query of the shared volume was given a body that is not made of spheres.
    */
   SIMDOP_ERROR_NOT_SPHERES = 62,
   /**
@@ -265,7 +265,7 @@ typedef enum {
    */
   SIMDOP_ERROR_BUFFER = 63,
   /**
-   * The bodies of a query of contacts are not both of triangles.
+   * A query of contacts was given a body that is not made of triangles.
    */
   SIMDOP_ERROR_NOT_MESHES = 64,
   /**
@@ -341,7 +341,7 @@ typedef enum {
    */
   SIMDOP_ERROR_CLOUD_POINT = 100,
   /**
-   * The size of a cloud's buckets is not from 1 to 16.
+   * The bucket size of a cloud is not from 1 to 16.
    */
   SIMDOP_ERROR_CLOUD_BUCKET_SIZE = 101,
   /**
@@ -393,7 +393,7 @@ typedef enum {
    */
   SIMDOP_ERROR_DESCRIPTION_NO_SUCH_LINK = 131,
   /**
-   * The links of a description are not a tree.
+   * The links of a description do not form a tree.
    */
   SIMDOP_ERROR_DESCRIPTION_NO_TREE = 132,
   /**
@@ -401,7 +401,7 @@ typedef enum {
    */
   SIMDOP_ERROR_DESCRIPTION_KIND = 133,
   /**
-   * A joint of a description mimics one that does not move by itself.
+   * A joint of a description mimics a joint that does not move by itself.
    */
   SIMDOP_ERROR_DESCRIPTION_MIMIC = 134,
   /**
@@ -451,11 +451,11 @@ typedef enum {
  */
 typedef enum {
   /**
-   * It ran to the end.
+   * The query ran to the end.
    */
   SIMDOP_COMPLETION_COMPLETE = 0,
   /**
-   * The callback stopped it.
+   * The callback stopped the query.
    */
   SIMDOP_COMPLETION_STOPPED = 1,
   /**
@@ -465,19 +465,19 @@ typedef enum {
 } simdop_completion;
 
 /**
- * Whether bodies meet, or come within the margin. Touching counts.
+ * Whether bodies meet, or come within the margin. Touching counts as meeting.
  */
 typedef enum {
   /**
-   * They do not. Certain.
+   * They do not meet, or come within the margin. Certain.
    */
   SIMDOP_VERDICT_FREE = 0,
   /**
-   * They do.
+   * They meet, or come within the margin.
    */
   SIMDOP_VERDICT_HIT = 1,
   /**
-   * The budget was exhausted first: they may.
+   * The budget was exhausted before the verdict was certain: they may meet.
    */
   SIMDOP_VERDICT_UNKNOWN = 2,
 } simdop_verdict;
@@ -487,7 +487,7 @@ typedef enum {
  */
 typedef enum {
   /**
-   * The bodies of no tested pair meet at any time from 0 to 1. Certain.
+   * No tested pair of bodies meets at any time from 0 to 1. This is certain.
    */
   SIMDOP_MOTION_VERDICT_FREE = 0,
   /**
@@ -501,19 +501,19 @@ typedef enum {
 } simdop_motion_verdict;
 
 /**
- * Whether two bodies meet, over all values of the joints within their limits.
+ * Whether two bodies meet, over all values of the joints within the limits.
  */
 typedef enum {
   /**
-   * At no values: the pair need not be tested, see simdop_scene_allow_collision(). Certain.
+   * At none: the pair need not be tested, see simdop_scene_allow_collision(). This is certain.
    */
   SIMDOP_PAIR_CLASS_NEVER = 0,
   /**
-   * At all values. Certain.
+   * At all. This is certain.
    */
   SIMDOP_PAIR_CLASS_ALWAYS = 1,
   /**
-   * At some values, and not at others.
+   * At some, and not at others.
    */
   SIMDOP_PAIR_CLASS_SOMETIMES = 2,
   /**
@@ -537,7 +537,7 @@ typedef enum {
 } simdop_joint_kind;
 
 /**
- * The kind of a shape, and the numbers that it has. Shapes are closed solids.
+ * The kind of a shape, and its numbers. Shapes are closed solids.
  */
 typedef enum {
   /**
@@ -545,7 +545,7 @@ typedef enum {
    */
   SIMDOP_SHAPE_KIND_SPHERE = 0,
   /**
-   * A capsule about the origin, along z: its radius, and the distance of the centres of its two hemispheres.
+   * A capsule about the origin, along z: its radius, and the distance between the centres of its two hemispheres.
    */
   SIMDOP_SHAPE_KIND_CAPSULE = 1,
   /**
@@ -576,7 +576,7 @@ typedef enum {
    */
   SIMDOP_STORAGE_FIXED = 0,
   /**
-   * Half floats: more precise near the centre of the body, and less far from it.
+   * Half floats: more precise near the centre of the body, and less precise far from it.
    */
   SIMDOP_STORAGE_HALF = 1,
 } simdop_storage;
@@ -595,22 +595,22 @@ typedef struct simdop_cloud simdop_cloud;
 
 #if defined(SIMDOP_URDF)
 /**
- * A robot as a URDF file describes it. Links on fixed joints are merged into the moving link before them.
+ * A robot as a URDF file describes it. Links on fixed joints are merged into the moving link that carries them.
  */
 typedef struct simdop_description simdop_description;
 #endif
 
 #if defined(SIMDOP_PLANNING)
 /**
- * A robot with its meshes, and the objects around it. Its bodies and objects share their trees with its copies.
- * Queries take a workspace each, so that several threads may ask one planner at once.
+ * A robot with its meshes, and the objects around it. Copies of a planner share the trees of its bodies and objects.
+ * Each query takes a workspace, so several threads may query one planner at once.
  */
 typedef struct simdop_planner simdop_planner;
 #endif
 
 /**
  * A robot: joints, the limits of the variables that move them, and the poses of bodies on the links. Each query names
- * the bodies of the scene that these are.
+ * the scene's bodies that correspond to them.
  */
 typedef struct simdop_robot simdop_robot;
 
@@ -621,14 +621,14 @@ typedef struct simdop_scene simdop_scene;
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Memory for the queries of one thread. It serves a planner, its copies, and all later states of them. A query with a
- * planner that has changed first copies its scene, and allocates.
+ * Memory for the queries of one thread. It serves a planner and its copies, also after they change. The first query
+ * after a change copies the planner's scene, and allocates.
  */
 typedef struct simdop_workspace simdop_workspace;
 #endif
 
 /**
- * The holes of a body that are capped.
+ * The capped holes of a body.
  */
 typedef struct {
   /**
@@ -640,14 +640,14 @@ typedef struct {
    */
   size_t triangles;
   /**
-   * The width of the widest, rounded up.
+   * The width of the widest hole, rounded up.
    */
   double width;
 } simdop_caps;
 
 /**
  * A rigid motion x -> R x + t: the three rows of [R|t]. Fill it in, or use simdop_pose_from_quaternion(). Every
- * function that takes one checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
+ * function that takes a pose checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
  * 1.5e-5, and R must not be a reflection.
  */
 typedef struct {
@@ -670,8 +670,8 @@ typedef struct {
    */
   uint32_t kind;
   /**
-   * The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. Those of
-   * a half-space are 0, or have such a magnitude.
+   * The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. The
+   * numbers of a half-space are 0, or have such a magnitude.
    */
   double numbers[4];
   /**
@@ -693,7 +693,7 @@ typedef struct {
    */
   size_t points;
   /**
-   * Indices of points are below this: the number of points that it was built from, unless there was room for more.
+   * Indices of points are below this: the number of points at construction, unless room for more was asked for.
    */
   size_t capacity;
 } simdop_cloud_size;
@@ -725,7 +725,7 @@ typedef struct {
 } simdop_query_stats;
 
 /**
- * The depth of two bodies that meet.
+ * The penetration depth of two bodies.
  */
 typedef struct {
   /**
@@ -733,12 +733,12 @@ typedef struct {
    */
   simdop_completion completion;
   /**
-   * No shorter translation of A separates the bodies. Zero if they are free, or if nothing is known of their insides.
+   * No shorter translation of A separates the bodies. Zero if they are free, or if their interiors are unknown.
    */
   double lower;
   /**
-   * The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was spent
-   * before any translation was found.
+   * The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was
+   * spent before any translation was found.
    */
   double upper;
   /**
@@ -752,7 +752,7 @@ typedef struct {
 } simdop_depth_answer;
 
 /**
- * The distance of two bodies, negative where they meet.
+ * The distance of two bodies, or minus their penetration depth if they meet.
  */
 typedef struct {
   /**
@@ -760,15 +760,15 @@ typedef struct {
    */
   simdop_completion completion;
   /**
-   * Lower bound: of bodies that meet, minus the upper bound of their depth.
+   * Lower bound. If the bodies meet: minus the upper bound of their depth.
    */
   double lower;
   /**
-   * Upper bound: of bodies that meet, minus the lower bound of their depth.
+   * Upper bound. If the bodies meet: minus the lower bound of their depth.
    */
   double upper;
   /**
-   * The unit vector, in B's frame, along which a translation of A raises the distance the fastest. Zeros if none is
+   * The unit vector, in B's frame, along which a translation of A increases the distance fastest. Zeros if none is
    * known.
    */
   double normal[3];
@@ -781,8 +781,8 @@ typedef struct {
    */
   double b[3];
   /**
-   * The derivative by the pose: three numbers for a translation of A along the axes of B's frame, then three for a
-   * rotation about them, in radians.
+   * The derivative with respect to the pose: three numbers for a translation of A along the axes of B's frame, then
+   * three for a rotation about them, in radians.
    */
   double gradient[6];
   /**
@@ -814,7 +814,7 @@ typedef struct {
    */
   simdop_pair pair;
   /**
-   * The unit normal of A's triangle in B's frame; zeros of a triangle without area.
+   * The unit normal of A's triangle in B's frame; zeros if the triangle has no area.
    */
   double normal_a[3];
   /**
@@ -822,7 +822,7 @@ typedef struct {
    */
   double normal_b[3];
   /**
-   * Number of points: 1 or 2 of a point or segment, 3 to 6 of a polygon.
+   * Number of points: 1 for a point, 2 for a segment, 3 to 6 for a polygon.
    */
   size_t count;
   /**
@@ -832,7 +832,7 @@ typedef struct {
 } simdop_contact;
 
 /**
- * The contacts that were written, and how the query ended.
+ * How many contacts were written, and how the query ended.
  */
 typedef struct {
   /**
@@ -851,15 +851,15 @@ typedef struct {
 
 #if defined(SIMDOP_URDF)
 /**
- * How much a description holds.
+ * The numbers of variables and bodies of a description.
  */
 typedef struct {
   /**
-   * Number of variables: of moving joints that mimic no other.
+   * Number of variables: one for each moving joint that mimics no other.
    */
   size_t variables;
   /**
-   * Number of bodies: of collision shapes, or of visual ones.
+   * Number of bodies, which are collision shapes or visual shapes.
    */
   size_t bodies;
 } simdop_description_size;
@@ -879,9 +879,13 @@ typedef struct {
    */
   double lower;
   /**
-   * Its upper limit. A continuous joint has one full turn either way.
+   * Its upper limit. The limits of a continuous joint are one full turn either way.
    */
   double upper;
+  /**
+   * Nonzero: its joint is continuous, so that values that differ by full turns are equivalent.
+   */
+  int is_continuous;
 } simdop_variable;
 #endif
 
@@ -895,7 +899,7 @@ typedef struct {
    */
   const char *link_name;
   /**
-   * The moving link that carries it: 0 is the base.
+   * The moving link that carries the body: 0 is the base.
    */
   uint32_t link;
   /**
@@ -908,21 +912,21 @@ typedef struct {
    */
   const char *mesh_file;
   /**
-   * Factors of the mesh file's coordinates.
+   * Scale factors for the mesh file's coordinates.
    */
   double mesh_scale[3];
 } simdop_described_body;
 #endif
 
 /**
- * The id of a body in its scene, and in no other. The id of a removed body is an error until its slot was reused 2^32
- * times.
+ * The id of a body in its scene, and in no other. The id of a removed body is an error until its slot has been reused
+ * 2^32 times.
  */
 typedef uint64_t simdop_body_id;
 
 /**
- * Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything
- * else ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
+ * Called as a packing grows: `placed` of `asked` spheres fill `share` of the volume. Returns 0 to go on; anything else
+ * ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
  */
 typedef int (*simdop_on_filling)(void *user, size_t placed, size_t asked, double share);
 
@@ -939,7 +943,7 @@ typedef struct {
    */
   double volume;
   /**
-   * The fraction of it that the spheres cover.
+   * The fraction of it that the spheres fill.
    */
   double share;
 } simdop_packing;
@@ -965,12 +969,12 @@ typedef struct {
 } simdop_pairs;
 
 /**
- * What two bodies of spheres have in common.
+ * The common volume of two bodies of spheres.
  */
 typedef struct {
   /**
-   * Unless complete, pairs are missing: `volume` is a lower bound, and direction and point are those of the pairs
-   * found.
+   * Unless complete, pairs are missing: `volume` is a lower bound, and direction and point are computed from the
+   * pairs found.
    */
   simdop_completion completion;
   /**
@@ -992,7 +996,7 @@ typedef struct {
    */
   double direction[3];
   /**
-   * The mean place of the common volume in B's frame. NaN if there is none.
+   * The centroid of the common volume in B's frame. NaN if there is none.
    */
   double point[3];
   /**
@@ -1029,7 +1033,8 @@ typedef struct {
 } simdop_role;
 
 /**
- * Two bodies that meet, and primitives of theirs that do; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are none.
+ * Two bodies that meet, and two of their primitives that meet; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are
+ * none.
  */
 typedef struct {
   /**
@@ -1190,14 +1195,18 @@ typedef struct {
    * Number of boxes of values tested.
    */
   size_t boxes;
+  /**
+   * Number of random values tested.
+   */
+  size_t samples;
 } simdop_pair_report;
 
 /**
- * The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
+ * The answer of simdop_scene_signed_clearance(): the least signed distance of two bodies lies in lower ..= upper.
  */
 typedef struct {
   /**
-   * Whether the search was not cut short by the budget. The bounds hold in any case.
+   * Complete, or out of budget: then the bounds may be loose, but are valid.
    */
   simdop_completion completion;
   /**
@@ -1206,16 +1215,17 @@ typedef struct {
   double lower;
   /**
    * Upper bound. Infinite if no two bodies nearer than the cutoff were found. If some meet, minus the lower bound of
-   * their depth, which is 0 if nothing is known of their insides.
+   * their depth, which is 0 if their interiors are unknown.
    */
   double upper;
   /**
-   * If `upper` is finite: the bodies that are deepest in each other, or the nearest ones, and their primitives.
+   * If `upper` is finite: the bodies that penetrate each other the deepest, or the nearest ones, and their
+   * primitives.
    */
   simdop_scene_hit hit;
   /**
-   * The point of `hit.a`'s primitive in the world: the nearest, or the one that touches `hit.b` last when `hit.a`
-   * leaves it along the normal. Ignores the body's radius. NaN if there is no hit.
+   * The point of `hit.a`'s primitive in the world: the nearest to `hit.b`, or the last one in contact with `hit.b`
+   * while `hit.a` moves out along the normal. Ignores the body's radius. NaN if there is no hit.
    */
   double point_a[3];
   /**
@@ -1223,7 +1233,7 @@ typedef struct {
    */
   double point_b[3];
   /**
-   * The unit vector in the world along which `hit.a` leaves `hit.b`. Zeros if none is known.
+   * The unit vector in the world along which `hit.a` moves out of `hit.b`. Zeros if none is known.
    */
   double normal[3];
   /**
@@ -1242,11 +1252,11 @@ typedef struct {
  */
 typedef struct {
   /**
-   * Longest motion by which a tree grows, in the joints. Positive.
+   * Longest motion that extends a tree, as a distance in joint space. Positive.
    */
   double step;
   /**
-   * Greatest number of random configurations.
+   * Maximum number of random configurations.
    */
   uint32_t configurations;
   /**
@@ -1254,7 +1264,7 @@ typedef struct {
    */
   uint32_t shortcuts;
   /**
-   * Start of the random numbers. The same seed gives the same path on every machine.
+   * Seed of the random numbers. The same seed gives the same path on every machine.
    */
   uint64_t seed;
 } simdop_plan_settings;
@@ -1266,11 +1276,11 @@ typedef struct {
  */
 typedef struct {
   /**
-   * Number of configurations of the path, with both ends. 0 if no path was found.
+   * Number of configurations of the path, both ends included. 0 if no path was found.
    */
   size_t count;
   /**
-   * Length of the path in the joints.
+   * Length of the path in joint space.
    */
   double length;
   /**
@@ -1286,7 +1296,7 @@ typedef struct {
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Returns a random number from 0 to 1, without 1. It must return, without an exception or a longjmp().
+ * Returns a random number from 0 to 1, excluding 1. It must return, without an exception or a longjmp().
  */
 typedef double (*simdop_random)(void *user);
 #endif
@@ -1358,9 +1368,9 @@ typedef struct {
 } simdop_distance_answer;
 
 /**
- * What a query found, for the next query of the same bodies at a nearby pose to test first: 6 to 9 times faster in
- * contact. Starts as SIMDOP_NO_HINT. A hint never changes a verdict, wherever it comes from: it changes which pair an
- * answer names, and the statistics.
+ * The primitives that a query found. The next query of the same bodies at a nearby pose tests them first, which is 6
+ * to 9 times faster in contact. Starts as SIMDOP_NO_HINT. A hint never changes a verdict, whatever its value; it may
+ * change the reported pair and the statistics.
  */
 typedef uint64_t simdop_hint;
 
@@ -1403,11 +1413,11 @@ typedef struct {
 } simdop_neighbour;
 
 /**
- * Where the neighbours of one query are in the buffer of indices.
+ * The position of one query's neighbours in the buffer of indices.
  */
 typedef struct {
   /**
-   * The first.
+   * Index of the first.
    */
   uint32_t start;
   /**
@@ -1433,8 +1443,8 @@ typedef struct {
    */
   uint32_t *indices;
   /**
-   * Number of indices that there is room for. If it is not enough, the error is SIMDOP_ERROR_BUFFER, `needed` says
-   * how many are, and the counts of the lists are correct.
+   * Number of indices that fit. If it is too small, the error is SIMDOP_ERROR_BUFFER, `needed` holds the number
+   * needed, and the counts of the lists are correct.
    */
   size_t room;
   /**
@@ -1444,8 +1454,8 @@ typedef struct {
 } simdop_neighbour_lists;
 
 /**
- * A joint, and the link that it moves: joint i moves link i + 1, and link 0 is the base. A fixed joint is not listed:
- * what it carries belongs to the link before it.
+ * A joint, and the link that it moves: joint i moves link i + 1, and link 0 is the base. Fixed joints are not listed:
+ * what they carry belongs to the link that they are on.
  */
 typedef struct {
   /**
@@ -1453,7 +1463,7 @@ typedef struct {
    */
   uint32_t kind;
   /**
-   * The link that carries the joint: at most i for joint i.
+   * The index of the link that carries the joint: at most i for joint i.
    */
   uint32_t parent;
   /**
@@ -1469,11 +1479,11 @@ typedef struct {
    */
   double axis[3];
   /**
-   * The joint's value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
+   * The joint's value is `multiplier` times its variable, plus `offset`. 1, unless the joint mimics another.
    */
   double multiplier;
   /**
-   * In radians, or in the unit of length. 0, unless it mimics another.
+   * Offset, in radians or in the unit of length. 0, unless the joint mimics another.
    */
   double offset;
 } simdop_joint;
@@ -1509,9 +1519,10 @@ typedef struct {
    */
   int (*go_to)(void *user, double time, simdop_pose *poses);
   /**
-   * Returns an upper bound on how far any point of a ball rigidly attached to the body gets from its position at the
-   * time of the last `go_to`, at any time that differs from it by at most `span`, within 0 to 1. `centre` has three
-   * numbers: the centre of the ball in the world at the time of the last `go_to`.
+   * Returns an upper bound on how far any point of a ball that is rigidly attached to the body gets from its
+   * position at the time of the last `go_to`. The bound holds for all times from 0 to 1 that differ from that time
+   * by at most `span`. `centre` has three numbers: the centre of the ball in the world at the time of the last
+   * `go_to`.
    *
    * The verdict relies on this bound: one that is too small makes verdicts wrong. It must include the rounding of
    * the poses that `go_to` writes. A loose bound costs only time. NaN, negative numbers and numbers beyond 2^300
@@ -1519,9 +1530,9 @@ typedef struct {
    */
   double (*path)(void *user, size_t body, const double *centre, double radius, double span);
   /**
-   * The same for two balls attached to two moving bodies, relative to each other: an upper bound on how much nearer
-   * any two points of theirs come than they are at the time of the last `go_to`. May be NULL: then the sum of both
-   * `path` bounds is used. The bound never needs to exceed that sum, and is smaller where both bodies share a
+   * The same for two balls attached to two moving bodies, relative to each other: an upper bound on how much any two
+   * of their points approach each other, compared with the time of the last `go_to`. May be NULL: then the sum of
+   * both `path` bounds is used. The bound never needs to exceed that sum, and is smaller where both bodies share a
    * motion, as the links of an arm do.
    */
   double (*motion_bound_between)(void *user,
@@ -1539,7 +1550,7 @@ typedef struct {
  */
 typedef struct {
   /**
-   * Complete, or out of budget: then free configurations may be left unmarked.
+   * Complete, or out of budget: in the latter case, free configurations may be left unmarked.
    */
   simdop_completion completion;
   /**
@@ -1596,7 +1607,7 @@ simdop_error simdop_body_build_surface(const double *vertices,
                                        simdop_body **body);
 
 /**
- * Builds the solid that closed triangles bound: a body wholly inside it is a hit, too. Otherwise like
+ * Builds the solid that a closed mesh bounds: a body wholly inside it is a hit, too. Otherwise like
  * simdop_body_build_surface().
  *
  * # Safety
@@ -1626,7 +1637,7 @@ simdop_error simdop_body_build_triangles_as(const double *vertices,
 /**
  * Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
  * not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners
- * of its border. Caps count for what is inside, and for nothing else: no distance is measured from a cap, and no pair
+ * of its border. Caps only close the surface that bounds the inside: no distance is measured from a cap, and no pair
  * names one. A body that meets a cap is partly inside, and a hit. simdop_body_caps() reports what was capped.
  *
  * # Safety
@@ -1643,7 +1654,7 @@ simdop_error simdop_body_build_solid_with_caps(const double *vertices,
 /**
  * Builds the convex hull of points as a solid of triangles. `points` holds x, y, z for each of `count` points, in any
  * order; they may coincide. The hull is exact: its corners are points, and no point is outside. The hull of points in
- * one plane is a surface, and that of none is empty.
+ * one plane is a surface, and the hull of no points is empty.
  *
  * # Safety
  * The array has the stated length.
@@ -1661,7 +1672,7 @@ simdop_error simdop_body_build_hull(const double *points,
 simdop_error simdop_body_build_hull_as(const double *points, size_t count, int storage, simdop_body **body);
 
 /**
- * Writes what is capped of a body; zeros for a body without caps.
+ * Writes how many holes of a body are capped. All fields are 0 for a body without caps.
  */
 simdop_error simdop_body_caps(const simdop_body *body, simdop_caps *caps);
 
@@ -1687,15 +1698,15 @@ simdop_error simdop_body_build_spheres_as(const double *spheres,
 /**
  * Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive
  * it has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points,
- * so that a motion which rotates it is never free.
+ * so a motion that rotates it is never free.
  */
 simdop_error simdop_body_build_shape(const simdop_shape *shape,
                                      simdop_body **body);
 
 /**
- * Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
- * cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body is empty,
- * and meets nothing.
+ * Builds a body of `count` shapes, which may overlap, with a tree over them, such as a link of several capsules or a
+ * shelf of cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body
+ * is empty, and meets nothing.
  *
  * # Safety
  * The array has the stated length.
@@ -1716,8 +1727,8 @@ simdop_error simdop_body_build_shapes_as(const simdop_shape *shapes,
                                          simdop_body **body);
 
 /**
- * Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
- * to the caller that opened it, and have the same lifetime. A body of one shape has none.
+ * Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body and
+ * live as long as it does; the bytes of an opened body belong to the caller. A body of one shape has none.
  */
 simdop_error simdop_body_bytes(const simdop_body *body,
                                const uint8_t **bytes,
@@ -1726,8 +1737,8 @@ simdop_error simdop_body_bytes(const simdop_body *body,
 /**
  * Proves, in exact arithmetic, that the volumes of a body's tree contain its primitives, and that its caps close the
  * surface. SIMDOP_ERROR_BYTES_VOLUME if not: then a query could miss a hit. Opening bytes proves only that they are
- * safe to traverse, so verify a file from an unknown source once. A body of one shape has no tree, and passes. Takes
- * time in proportion to the primitives times the depth of the tree.
+ * safe to traverse, so verify a file from an unknown source once. A body of one shape has no tree, and passes. The
+ * time is proportional to the number of primitives times the depth of the tree.
  */
 simdop_error simdop_body_verify(const simdop_body *body);
 
@@ -1759,8 +1770,8 @@ simdop_error simdop_cloud_build_with_room(const float *points,
 
 /**
  * Moves all points. `points` holds x, y, z for each of `count` indices, at least the capacity; those of an index
- * without a point are ignored. Writes to `ratio` by how much the volume of a box of the tree has grown, at most, since
- * the tree was built: rebuild where searches become slow, or at a ratio of about 10.
+ * without a point are ignored. Writes to `ratio` the largest growth factor of a box's volume since the tree was built:
+ * rebuild when searches become slow, or at a ratio of about 10.
  *
  * # Safety
  * The array has the stated length.
@@ -1771,13 +1782,13 @@ simdop_error simdop_cloud_refit(simdop_cloud *cloud,
                                 double *ratio);
 
 /**
- * Builds the tree of a cloud again from the points where they are now.
+ * Rebuilds the tree of a cloud from the current positions of its points.
  */
 simdop_error simdop_cloud_rebuild(simdop_cloud *cloud);
 
 /**
- * Inserts a point under an index below the capacity that has none. `point` holds x, y, z. If no bucket near it has
- * room, the error is SIMDOP_ERROR_CLOUD_FULL: rebuild.
+ * Inserts a point under an unused index below the capacity. `point` holds x, y, z. If no bucket near it has room, the
+ * error is SIMDOP_ERROR_CLOUD_FULL: rebuild.
  *
  * # Safety
  * There are three numbers.
@@ -1802,10 +1813,11 @@ simdop_error simdop_cloud_get_size(const simdop_cloud *cloud, simdop_cloud_size 
 void simdop_cloud_destroy(simdop_cloud *cloud);
 
 /**
- * How deep are two bodies in each other, and which way out is the shortest? Of two shapes, and of a half-space and any
- * body, the depth is known to rounding. Of solids of triangles the bounds are certain, but not tight. Of a surface,
- * spheres or several shapes, nothing is known of the inside: the lower bound is 0, unless the other body is a
- * half-space. Otherwise like simdop_collide().
+ * What is the penetration depth of two bodies: the length of the shortest translation that separates them? For two
+ * shapes, and for a half-space and any body, the depth is known to rounding. For solids of triangles, spheres and
+ * several shapes, the bounds are certain, but not tight. The interior of a cloud is unknown, and so is that of a
+ * surface paired with a mesh: then the lower bound is 0, unless the other body is a half-space. Otherwise like
+ * simdop_collide().
  */
 simdop_error simdop_depth(const simdop_body *a,
                           const simdop_body *b,
@@ -1814,10 +1826,10 @@ simdop_error simdop_depth(const simdop_body *a,
                           simdop_depth_answer *answer);
 
 /**
- * How far does body `a` have to be translated along `direction`, of three numbers in B's frame, until it does not meet
- * `b` any more, however far it goes on? Writes an upper bound to `depth`, which exceeds the least such length by about
- * 2^-30 of it. Zero for bodies that are free, infinite if the direction is zero or leads into a half-space. Otherwise
- * like simdop_collide().
+ * How far must body `a` be translated along `direction`, three numbers in B's frame, until it no longer meets `b`,
+ * however much farther it moves? Writes an upper bound to `depth`, which exceeds the least such length by about 2^-30
+ * of it. The depth is zero if the bodies do not meet. It is infinite if they do and the direction is zero or leads
+ * into a half-space. Otherwise like simdop_collide().
  *
  * # Safety
  * `direction` has three numbers.
@@ -1830,8 +1842,8 @@ simdop_error simdop_depth_along(const simdop_body *a,
                                 double *depth);
 
 /**
- * How far apart are two bodies, or how deep in each other, with the derivative by the pose? `tolerance` is that of
- * simdop_distance(), and the depth is that of simdop_depth().
+ * What is the signed distance of two bodies, the distance or minus the penetration depth, and its derivative with
+ * respect to the pose? `tolerance` is that of simdop_distance(), and the depth is that of simdop_depth().
  */
 simdop_error simdop_signed_distance(const simdop_body *a,
                                     const simdop_body *b,
@@ -1841,8 +1853,8 @@ simdop_error simdop_signed_distance(const simdop_body *a,
                                     simdop_signed_distance_answer *answer);
 
 /**
- * Where do the triangles of two bodies touch? Writes at most `room` contacts. Other bodies are SIMDOP_ERROR_NOT_MESHES.
- * Otherwise like simdop_collide().
+ * Where do the triangles of two bodies touch? Writes at most `room` contacts. A body of anything else is
+ * SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
  *
  * # Safety
  * `contacts` has room for `room` contacts.
@@ -1857,8 +1869,8 @@ simdop_error simdop_contacts(const simdop_body *a,
 
 #if defined(SIMDOP_URDF)
 /**
- * Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes
- * if `is_visual` is not zero. Mesh files are named, but not read.
+ * Reads the text of a URDF file of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes if
+ * `is_visual` is not zero. Mesh files are named, but not read.
  *
  * # Safety
  * The text has the stated length.
@@ -1871,7 +1883,7 @@ simdop_error simdop_description_read(const char *urdf,
 
 #if defined(SIMDOP_URDF)
 /**
- * Writes how much a description holds.
+ * Writes the numbers of variables and bodies of a description.
  */
 simdop_error simdop_description_get_size(const simdop_description *description,
                                          simdop_description_size *size);
@@ -1879,7 +1891,7 @@ simdop_error simdop_description_get_size(const simdop_description *description,
 
 #if defined(SIMDOP_URDF)
 /**
- * Writes the variable of an index, in the order of the robot's values.
+ * Writes the variable with this index, in the order of the robot's values.
  */
 simdop_error simdop_description_get_variable(const simdop_description *description,
                                              size_t index,
@@ -1888,7 +1900,7 @@ simdop_error simdop_description_get_variable(const simdop_description *descripti
 
 #if defined(SIMDOP_URDF)
 /**
- * Writes the body of an index, in the order of the robot's bodies.
+ * Writes the body with this index, in the order of the robot's bodies.
  */
 simdop_error simdop_description_get_body(const simdop_description *description,
                                          size_t index,
@@ -1897,7 +1909,7 @@ simdop_error simdop_description_get_body(const simdop_description *description,
 
 #if defined(SIMDOP_URDF)
 /**
- * Builds the body of an index, if it is a shape: a cuboid, sphere, cylinder or capsule. One that is a mesh file is
+ * Builds the body with this index, if it is a shape: a cuboid, sphere, cylinder or capsule. One that is a mesh file is
  * SIMDOP_ERROR_DESCRIPTION_MESH: read it, scale its coordinates, and build a body of its triangles.
  */
 simdop_error simdop_description_build_body(const simdop_description *description,
@@ -1907,7 +1919,7 @@ simdop_error simdop_description_build_body(const simdop_description *description
 
 #if defined(SIMDOP_URDF)
 /**
- * Creates the robot of a description. `base` is the pose of its base in the world.
+ * Creates the robot of a description. `base` is the pose of the robot's base in the world.
  */
 simdop_error simdop_description_build_robot(const simdop_description *description,
                                             const simdop_pose *base,
@@ -1917,8 +1929,8 @@ simdop_error simdop_description_build_robot(const simdop_description *descriptio
 #if defined(SIMDOP_URDF)
 /**
  * Decides which pairs of a robot's bodies the queries of a scene test: those that joints move relative to each other,
- * and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order.
- * `srdf`, of `srdf_count` bytes, may be NULL: then nothing is disabled.
+ * unless the text of an SRDF file disables them. `ids` lists the `count` bodies of the robot in its order. `srdf`, of
+ * `srdf_count` bytes, may be NULL: then nothing is disabled.
  *
  * # Safety
  * The array and the text have the stated lengths.
@@ -1952,7 +1964,7 @@ const char *simdop_last_error(void);
 /**
  * Fills a closed mesh with at most `room` disjoint spheres, roughly the largest first. `spheres` has room for x, y, z
  * and the radius of each, as simdop_body_build_spheres() takes them. The mesh is given as in
- * simdop_body_build_surface(). There are fewer spheres if no other fits. `on_filling` may be NULL. The call allocates,
+ * simdop_body_build_surface(). Writes fewer spheres if no other fits. `on_filling` may be NULL. The call allocates,
  * and takes seconds for thousands of spheres.
  *
  * # Safety
@@ -1969,12 +1981,12 @@ simdop_error simdop_pack(const double *vertices,
                          simdop_packing *packing);
 
 /**
- * Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If
- * `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free
- * of others, so is the mesh. The mesh is given as in simdop_body_build_surface().
+ * Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If `is_solid`
+ * is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres does not meet
+ * another body, neither does the mesh. The mesh is given as in simdop_body_build_surface().
  *
- * Writes to `count` how many spheres there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER:
- * `spheres` has room for x, y, z and the radius of each. The call allocates.
+ * Writes the number of spheres to `count`, even if it exceeds `room`, which is SIMDOP_ERROR_BUFFER. `spheres` has room
+ * for x, y, z and the radius of `room` spheres. The call allocates.
  *
  * # Safety
  * The arrays have these lengths.
@@ -1991,8 +2003,8 @@ simdop_error simdop_cover(const double *vertices,
 
 /**
  * Calls `on_pair` with `user` once for each pair of primitives that meet. A body that is inside a solid and meets none
- * of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, of pairs that
- * touch within the rounding of the inverse pose, some may be missing or not meet.
+ * of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, pairs that
+ * touch up to the rounding of the inverse pose may be missing, or be reported although they do not meet.
  *
  * # Safety
  * `user`, which may be NULL, is what `on_pair` expects.
@@ -2006,7 +2018,7 @@ simdop_error simdop_each_pair(const simdop_body *a,
                               simdop_pairs *pairs);
 
 /**
- * Which volume do two bodies of spheres share? For packings, the bodies that they fill share at least as much: see
+ * What volume do two bodies of spheres share? If they are packings, the packed bodies share at least as much: see
  * simdop_pack(). Bodies of other primitives are SIMDOP_ERROR_NOT_SPHERES. With a budget, the pairs that may share the
  * most are visited first. Otherwise like simdop_collide().
  */
@@ -2079,9 +2091,9 @@ simdop_error simdop_planner_limits(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
- * long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
- * of turns.
+ * Writes the variable with this index among those that are planned for. Its name is that of its joint, and is valid as
+ * long as the planner or a copy of it. A continuous joint accepts any number of turns, and rotates the shorter way
+ * around in motions.
  */
 simdop_error simdop_planner_get_variable(const simdop_planner *planner,
                                          size_t index,
@@ -2090,15 +2102,15 @@ simdop_error simdop_planner_get_variable(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the number of groups of joints of the SRDF file.
+ * Writes the number of groups of joints in the SRDF file.
  */
 simdop_error simdop_planner_groups(const simdop_planner *planner, size_t *count);
 #endif
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the name of the group of an index: see simdop_planner_select_group(). It is valid as long as the planner or a
- * copy of it.
+ * Writes the name of the group with this index: see simdop_planner_select_group(). It is valid as long as the planner
+ * or a copy of it.
  */
 simdop_error simdop_planner_get_group(const simdop_planner *planner,
                                       size_t index,
@@ -2107,7 +2119,7 @@ simdop_error simdop_planner_get_group(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
+ * Plans only for one group of joints in the SRDF file. All other variables keep their values in `rest`, which has
  * `count` numbers: one for each variable of the robot.
  *
  * # Safety
@@ -2129,7 +2141,7 @@ simdop_error simdop_planner_place_base(simdop_planner *planner, const simdop_pos
 #if defined(SIMDOP_PLANNING)
 /**
  * Sets the length of the shortest interval of time that a motion is split into, 1e-6 at first: a motion that cannot be
- * decided within it is unresolved. One that is NaN or not positive is an error of each motion.
+ * decided at this length is unresolved. If it is NaN or not positive, every motion query fails.
  */
 simdop_error simdop_planner_set_resolution(simdop_planner *planner,
                                            double resolution);
@@ -2137,8 +2149,8 @@ simdop_error simdop_planner_set_resolution(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
- * or not certainly free.
+ * Sets the budget of each query in visits, SIMDOP_NO_BUDGET at first. A query that exceeds it answers unknown,
+ * unresolved, or not certainly free.
  */
 simdop_error simdop_planner_set_budget(simdop_planner *planner,
                                        uint64_t budget);
@@ -2146,12 +2158,12 @@ simdop_error simdop_planner_set_budget(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
- * which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
- * this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
- * Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
- * links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
- * bodies.
+ * Speeds up queries of many configurations, and of motions, without changing a verdict: conservative bounds decide
+ * most of them, and the bodies decide the rest. The bounds use a grid of distances to what stands still, with cells of
+ * this width, such as 0.02 m, one byte each and 4 million at most, and spheres around and inside the links. Every
+ * change of the objects recomputes the cells near them. The call takes seconds for a robot with many pairs of links,
+ * once for all copies. With a budget, or while an object is attached that is neither a shape nor a mesh, the bodies
+ * decide everything.
  */
 simdop_error simdop_planner_use_bounds(simdop_planner *planner,
                                        double cell);
@@ -2159,14 +2171,14 @@ simdop_error simdop_planner_use_bounds(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 where the bounds do not apply.
+ * Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 if the bounds do not apply.
  */
 simdop_error simdop_planner_bound_bytes(const simdop_planner *planner, size_t *bytes);
 #endif
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Adds an object: a body of fixed point or of one shape, which must exist as long as the planner, its copies and their
+ * Adds an object: a body of fixed point or of one shape, which must outlive the planner, its copies and their
  * workspaces. Make it fixed unless it will be attached to the robot.
  */
 simdop_error simdop_planner_insert(simdop_planner *planner,
@@ -2202,8 +2214,8 @@ simdop_error simdop_planner_link(const simdop_planner *planner, const char *name
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Attaches an object to a link of the robot, as it stands while the `count` variables have these values. It may touch
- * that link, and any other that simdop_planner_allow_collision() names.
+ * Attaches an object to a link of the robot, at their relative pose when the `count` variables have these values. It
+ * may touch that link, and any other that simdop_planner_allow_collision() names.
  *
  * # Safety
  * The name ends with a NUL, and the array has the stated length.
@@ -2217,7 +2229,7 @@ simdop_error simdop_planner_attach(simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Detaches an object from the robot. It stands at `world` from then on, and is tested against all links.
+ * Detaches an object from the robot and places it at `world`. From then on it is tested against all links.
  */
 simdop_error simdop_planner_detach(simdop_planner *planner, simdop_body_id object, const simdop_pose *world);
 #endif
@@ -2254,8 +2266,8 @@ simdop_error simdop_planner_within(const simdop_planner *planner,
 #if defined(SIMDOP_PLANNING)
 /**
  * Which of `state_count` configurations are free? `values` has a number for each variable that is planned for, for the
- * first configuration, then for the second, and so on. `free` has room for a byte of each: 1 if it is certainly free,
- * otherwise 0. Writes to `count` how many are. On failure, `free` is written, but means nothing.
+ * first configuration, then for the second, and so on. `free` has room for a byte for each: 1 if it is certainly free,
+ * otherwise 0. Writes the number of these to `count`. On failure, `free` is written, but means nothing.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2270,10 +2282,11 @@ simdop_error simdop_planner_check_states(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside of it: what
- * a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is not finite is
- * not near. `values` has a number for each variable that is planned for, and `points` three for each point. `near` has
- * room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are. The call allocates.
+ * Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside it? Remove
+ * these points from a scan before it becomes an obstacle. Attached objects are parts of the robot. A point that is not
+ * finite is not near. `values` has a number for each variable that is planned for, and `points` three for each point.
+ * `near` has room for a byte for each: 1 if it is near, otherwise 0. Writes the number of near points to `count`. The
+ * call allocates.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2290,7 +2303,7 @@ simdop_error simdop_planner_near_robot(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
+ * Is the straight motion from one configuration to another free at all times? Continuous joints rotate the shorter way
  * around. `from` and `to` have a number for each variable that is planned for.
  *
  * # Safety
@@ -2305,8 +2318,8 @@ simdop_error simdop_planner_check_motion(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only. The verdict is never free: nothing is
- * certain between them.
+ * Like simdop_planner_check_motion(), but only at `parts` + 1 evenly spaced times. The verdict is never free: nothing
+ * is certain between these times.
  *
  * # Safety
  * The arrays have this length.
@@ -2321,8 +2334,8 @@ simdop_error simdop_planner_check_motion_discrete(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Which of `motion_count` straight motions are free at all times? `ends` has the values of the start of the first
- * motion, those of its end, then those of the second motion, and so on. `free` and `count` are as those of
+ * Which of `motion_count` straight motions are free at all times? `ends` has the values of the start and of the end of
+ * the first motion, then those of the second motion, and so on. `free` and `count` are as in
  * simdop_planner_check_states().
  *
  * # Safety
@@ -2338,9 +2351,10 @@ simdop_error simdop_planner_check_motions(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Which share of a straight motion, from its start, is free at all times? Writes 1 if all of it is, and 0 if not even
- * the start is. Otherwise the motion to `from` + share (`to` - `from`), the shorter way of continuous joints, is free,
- * and a hit or an unresolved time is at most 1/1024 of the motion later.
+ * How much of a straight motion, as a fraction from its start, is free at all times? Writes 1 for the whole motion,
+ * and 0 if not even the start is free. Otherwise the motion to `from` + share (`to` - `from`) is free, where
+ * continuous joints rotate the shorter way around, and a hit or an unresolved time follows after at most 1/1024 of the
+ * motion.
  *
  * # Safety
  * The arrays have a number for each variable that is planned for.
@@ -2354,8 +2368,8 @@ simdop_error simdop_planner_free_share(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Calls `on_hit` with `user` once for each two bodies that come within `margin` of each other in a configuration. It
- * must not use the workspace. Otherwise like simdop_scene_each_hit().
+ * Calls `on_hit` with `user` once for each pair of bodies that come within `margin` of each other in a configuration.
+ * The callback must not use the workspace. Otherwise like simdop_scene_each_hit().
  *
  * # Safety
  * `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit`
@@ -2387,12 +2401,12 @@ simdop_error simdop_planner_clearance(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes the derivative of a clearance by each variable that is planned for, in the bodies' unit per unit of the
- * variable. `near` is what simdop_planner_clearance() wrote, which must have been the last query of the workspace.
- * Zeros if it has no hit, or its points coincide.
+ * Writes the derivative of a clearance with respect to each variable that is planned for, in the bodies' unit per unit
+ * of the variable. `near` is what simdop_planner_clearance() wrote, which must have been the last query of the
+ * workspace. Zeros if it has no hit, or its points coincide.
  *
  * # Safety
- * `gradient` has room for a number of each variable.
+ * `gradient` has room for a number for each variable.
  */
 simdop_error simdop_planner_clearance_gradient(const simdop_planner *planner,
                                                simdop_workspace *workspace,
@@ -2402,8 +2416,8 @@ simdop_error simdop_planner_clearance_gradient(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes where a point of a body, of three numbers in its frame, is in the world, in the last configuration of the
- * workspace.
+ * Writes the position in the world of a point of a body, in the last configuration of the workspace. `point` has three
+ * numbers, in the body's frame.
  *
  * # Safety
  * `point` has three numbers, and `world` has room for them.
@@ -2418,8 +2432,8 @@ simdop_error simdop_planner_to_world(const simdop_planner *planner,
 #if defined(SIMDOP_PLANNING)
 /**
  * Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot? Like
- * simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot,
- * whichever are planned for. The call allocates.
+ * simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot, whether or
+ * not it is planned for. The call allocates.
  *
  * # Safety
  * The arrays have this room.
@@ -2436,8 +2450,8 @@ simdop_error simdop_planner_classify_pair(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * The least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(), and its derivative
- * by each variable, which is written to `gradient`: of a distance, or where bodies meet, of `lower`.
+ * Writes the least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(). Writes its
+ * derivative with respect to each variable to `gradient`: that of a distance, or of `lower` if bodies meet.
  *
  * # Safety
  * `values` and `gradient` have a number for each variable that is planned for.
@@ -2460,12 +2474,12 @@ simdop_plan_settings simdop_plan_settings_default(void);
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all
- * times. `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other.
- * Goals that are not free are ignored; if the start is not, there is no path.
+ * Plans a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all times.
+ * `start` has a number for each variable that is planned for, and `goals` has as many for each goal, one after the
+ * other. Goals that are not free are ignored; if the start is not free, there is no path.
  *
- * Writes to `path`, which has room for `room` configurations, those of the path, one after the other, and to `answer`
- * how many there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
+ * Writes the configurations of the path, one after the other, to `path`, which has room for `room` of them. Writes
+ * their number to `answer`, even if it exceeds `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2483,9 +2497,9 @@ simdop_error simdop_planner_plan(const simdop_planner *planner,
 
 #if defined(SIMDOP_PLANNING)
 /**
- * Writes a random free configuration to `values`, which has room for a number of each variable that is planned for,
- * from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not
- * free, it writes 0 to `is_found`, and zeros to `values`. The call allocates.
+ * Writes a random free configuration to `values`, a number for each variable that is planned for, and 1 to `is_found`.
+ * `random` is called with `user` for each random number. After `tries` configurations that are not free, writes 0 to
+ * `is_found` and zeros to `values`. The call allocates.
  *
  * # Safety
  * The array has this length, and `user`, which may be NULL, is what `random` expects.
@@ -2509,12 +2523,12 @@ simdop_error simdop_pose_from_quaternion(const double *xyzw, const double *trans
 
 /**
  * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
- * shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies have the same storage,
+ * shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies must have the same storage,
  * unless one of them is one shape.
  *
- * If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
- * about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
- * pose must be as close to a rotation as in a scene. So pass the shape as `a`.
+ * If `a` has a tree and `b` is one shape, the inverse pose moves the shape. Then bodies nearer than the rounding of
+ * the inverse pose, about 1e-14 of the coordinates, count as meeting; the bounds of an unknown verdict are 0 and
+ * infinite; and the pose must be as close to a rotation as in a scene. So pass the shape as `a`.
  */
 simdop_error simdop_collide(const simdop_body *a,
                             const simdop_body *b,
@@ -2535,8 +2549,8 @@ simdop_error simdop_within(const simdop_body *a,
 
 /**
  * How far apart are the bodies? `tolerance`, finite and not negative, limits the gap between the bounds relative to
- * the distance; 0 makes it as small as rounding allows. Otherwise like simdop_collide(). Faster if `b` is the larger
- * body.
+ * the distance; 0 makes it as small as rounding allows. Otherwise like simdop_collide(). The query is faster if `b` is
+ * the larger body.
  */
 simdop_error simdop_distance(const simdop_body *a,
                              const simdop_body *b,
@@ -2547,7 +2561,7 @@ simdop_error simdop_distance(const simdop_body *a,
 
 /**
  * Like simdop_distance(), but only up to `cutoff`, not negative, which may be infinite: bodies that are farther apart
- * have the lower bound `cutoff` and an infinite upper bound. Much faster for the nearest of many bodies.
+ * have the lower bound `cutoff` and an infinite upper bound. Much faster for finding the nearest of many bodies.
  */
 simdop_error simdop_distance_up_to(const simdop_body *a,
                                    const simdop_body *b,
@@ -2558,8 +2572,8 @@ simdop_error simdop_distance_up_to(const simdop_body *a,
                                    simdop_distance_answer *answer);
 
 /**
- * Like simdop_collide(), at each of `count` poses. `budget` is that of each pose, and `answers` has room for an answer
- * of each. Without a budget and where touching bodies move little between the poses, a hint is faster: see
+ * Like simdop_collide(), at each of `count` poses. `budget` applies to each pose, and `answers` has room for an answer
+ * for each. Without a budget, if touching bodies move little between the poses, a hint is faster: see
  * simdop_collide_with_hint().
  *
  * # Safety
@@ -2573,7 +2587,7 @@ simdop_error simdop_collide_at_poses(const simdop_body *a,
                                      simdop_answer *answers);
 
 /**
- * Like simdop_collide(), with a hint, which is replaced by that for the next query.
+ * Like simdop_collide(), with a hint, which the call replaces by the hint for the next query.
  */
 simdop_error simdop_collide_with_hint(const simdop_body *a,
                                       const simdop_body *b,
@@ -2583,7 +2597,7 @@ simdop_error simdop_collide_with_hint(const simdop_body *a,
                                       simdop_answer *answer);
 
 /**
- * Like simdop_within(), with a hint, which is replaced by that for the next query.
+ * Like simdop_within(), with a hint, which the call replaces by the hint for the next query.
  */
 simdop_error simdop_within_with_hint(const simdop_body *a,
                                      const simdop_body *b,
@@ -2594,7 +2608,7 @@ simdop_error simdop_within_with_hint(const simdop_body *a,
                                      simdop_answer *answer);
 
 /**
- * Like simdop_distance_up_to(), with a hint, which is replaced by that for the next query.
+ * Like simdop_distance_up_to(), with a hint, which the call replaces by the hint for the next query.
  */
 simdop_error simdop_distance_with_hint(const simdop_body *a,
                                        const simdop_body *b,
@@ -2633,8 +2647,8 @@ simdop_error simdop_cloud_each_within(const simdop_cloud *cloud,
                                       simdop_range_stats *stats);
 
 /**
- * Finds the `k` points nearest to each of `count` points, which have x, y, z each. `neighbours` has room for `k` for
- * each: the nearest first, and of equally near ones that with the lowest index.
+ * Finds the `k` nearest points of each of `count` query points, given as x, y, z. `neighbours` has room for `k` for
+ * each, sorted by distance and then by index.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2646,9 +2660,9 @@ simdop_error simdop_cloud_nearest(const simdop_cloud *cloud,
                                   simdop_neighbour *neighbours);
 
 /**
- * Counts the points within a radius of each point of the cloud, which is its own neighbour. `radii` has a radius for
- * each index below the capacity, or one for all; `counts` has room for `count` numbers, at least the capacity. The
- * numbers of indices without a point are 0.
+ * Counts the points within a radius of each point of the cloud, the point itself included. `radii` has a radius for
+ * each index below the capacity, or one for all; `counts` has room for `count` numbers, at least the capacity. Unused
+ * indices have the count 0.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2662,7 +2676,7 @@ simdop_error simdop_cloud_count(const simdop_cloud *cloud,
 
 /**
  * Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has
- * a radius for each index, or one for all. The lists of indices without a point are empty.
+ * a radius for each index, or one for all. Unused indices have empty lists.
  *
  * # Safety
  * The arrays have these lengths, and those of `into` the stated ones.
@@ -2674,8 +2688,8 @@ simdop_error simdop_cloud_neighbours(const simdop_cloud *cloud,
                                      simdop_range_stats *stats);
 
 /**
- * Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a
- * radius for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
+ * Finds the points of the cloud within a radius of each of `count` query points, given as x, y, z. `radii` has a
+ * radius for each, or one for all. `memory` has 8 bytes for each query point, which are overwritten.
  *
  * # Safety
  * The arrays have these lengths, and those of `into` the stated ones.
@@ -2690,9 +2704,9 @@ simdop_error simdop_cloud_neighbours_of(const simdop_cloud *cloud,
                                         simdop_range_stats *stats);
 
 /**
- * Creates a robot. `base` is the pose of its base in the world; each of the `joint_count` joints comes after those
- * between it and the base; `body_count` bodies are on the links; `limits` holds the lower and the upper limit of each
- * of `variable_count` variables, all finite. Everything is copied.
+ * Creates a robot. `base` is the pose of its base in the world; the `joint_count` joints are in an order in which each
+ * comes after those between it and the base; `body_count` bodies are on the links; `limits` holds the lower and the
+ * upper limit of each of `variable_count` variables, all finite. Everything is copied.
  *
  * # Safety
  * The arrays have the stated lengths.
@@ -2708,7 +2722,7 @@ simdop_error simdop_robot_new(const simdop_pose *base,
 
 /**
  * Forward kinematics: the poses of a robot's bodies in the world. `values` has a number for each variable, within its
- * limits; `poses` has room for a pose of each body. The robot is not const: the call writes to memory in it.
+ * limits; `poses` has room for a pose for each body. The robot is not const, since the call writes to memory in it.
  *
  * # Safety
  * The arrays have these lengths.
@@ -2729,12 +2743,12 @@ simdop_role simdop_role_default(void);
 
 /**
  * Creates an empty scene. It grows as bodies are inserted. The first body decides the storage of all bodies of the
- * scene; if that is one shape or a cloud, which has none, it is fixed point.
+ * scene. If it is one shape or a cloud, which have no storage, the scene takes fixed point.
  */
 simdop_error simdop_scene_create(simdop_scene **scene);
 
 /**
- * Creates an empty scene of bodies in `storage`, a simdop_storage, whichever body comes first.
+ * Creates an empty scene of bodies in `storage`, a simdop_storage, whatever body is inserted first.
  */
 simdop_error simdop_scene_create_as(int storage, simdop_scene **scene);
 
@@ -2776,8 +2790,8 @@ simdop_error simdop_scene_place(simdop_scene *scene,
                                 const simdop_pose *world);
 
 /**
- * Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault
- * are placed.
+ * Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, the bodies before the one at
+ * fault are placed.
  *
  * # Safety
  * The arrays have this length.
@@ -2788,9 +2802,12 @@ simdop_error simdop_scene_place_all(simdop_scene *scene,
                                     size_t count);
 
 /**
- * Writes the pose of a body in the world. That of an attached body has moved along with the other.
+ * Writes the pose of a body in the world. The pose of an attached body includes the moves of the body that it is
+ * attached to.
  */
-simdop_error simdop_scene_world_pose(const simdop_scene *scene, simdop_body_id id, simdop_pose *world);
+simdop_error simdop_scene_world_pose(const simdop_scene *scene,
+                                     simdop_body_id id,
+                                     simdop_pose *world);
 
 /**
  * Attaches a body to another, at its current pose relative to it. Placing the other then moves it along.
@@ -2846,8 +2863,8 @@ simdop_error simdop_scene_clearance(const simdop_scene *scene,
                                     simdop_scene_clearance_answer *answer);
 
 /**
- * What is the smallest signed distance between the bodies of any tested pair, up to `cutoff`: their distance, or minus
- * the depth of those that are deepest in each other? Otherwise like simdop_scene_clearance().
+ * What is the least signed distance between the bodies of any tested pair, up to `cutoff`: the least distance, or
+ * minus the greatest penetration depth if bodies meet? Otherwise like simdop_scene_clearance().
  */
 simdop_error simdop_scene_signed_clearance(const simdop_scene *scene,
                                            double tolerance,
@@ -2892,12 +2909,12 @@ simdop_error simdop_scene_classify_pair(simdop_scene *scene,
 /**
  * Do the bodies of any tested pair meet at any time of a motion? The motion moves some bodies, and those attached to
  * them; all others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not only for samples,
- * provided that the motion's `path` is a valid bound.
+ * provided that the motion's bounds are valid.
  *
  * `moving` lists the `count` moving bodies in the order of the motion; none of them is attached to another body.
- * Intervals of time not longer than `resolution`, which is positive, are not split: bodies so close that this would be
- * needed are unresolved. Stops after `budget` visits, summed over all pairs and times. Afterwards, even after a
- * failure, the bodies are at their original poses.
+ * Intervals of time not longer than `resolution`, which is positive, are not split: bodies so close that shorter ones
+ * would be needed are unresolved. Stops after `budget` visits, summed over all pairs and times. Afterwards, even after
+ * a failure, the bodies are at their original poses.
  *
  * # Safety
  * `moving` has `count` ids. `motion->user` is what the motion's callbacks expect, and these fulfil the contract of
@@ -2912,10 +2929,9 @@ simdop_error simdop_scene_check_motion(simdop_scene *scene,
                                        simdop_motion_answer *answer);
 
 /**
- * Like simdop_scene_check_motion(), but only at the times that divide 0 to 1 into `parts` equal intervals, at least 1,
- * both ends included. Splits the longest gaps first and stops at the first hit. The verdict is never
- * SIMDOP_MOTION_VERDICT_FREE, but unresolved from 0 to 1: the times in between are not checked. The motion's `path` is
- * not called, and may be NULL.
+ * Like simdop_scene_check_motion(), but only at the ends of `parts` equal intervals, at least 1, from 0 to 1. Splits
+ * the longest gaps first and stops at the first hit. The verdict is never SIMDOP_MOTION_VERDICT_FREE, but unresolved
+ * from 0 to 1: the times in between are not checked. The motion's `path` is not called, and may be NULL.
  *
  * # Safety
  * As for simdop_scene_check_motion().
@@ -2930,9 +2946,9 @@ simdop_error simdop_scene_check_motion_discrete(simdop_scene *scene,
 
 /**
  * Like simdop_scene_check_motion(), for one body, and those attached to it, on a screw motion from one pose in the
- * world to another: it rotates uniformly about an axis, by at most half a turn, and moves uniformly along the axis. If
- * the rotations are equal, it moves along a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to
- * the deviation of the matrices from a rotation. The body's pose in the scene is irrelevant.
+ * world to another: the body rotates uniformly about an axis, by at most half a turn, and moves uniformly along the
+ * axis. If the rotations are equal, it moves along a straight line. It ends at `to` up to 1e-7 of the coordinates, and
+ * up to the deviation of the matrices from a rotation. The body's pose in the scene is irrelevant.
  */
 simdop_error simdop_scene_check_screw(simdop_scene *scene,
                                       simdop_body_id id,
@@ -2964,10 +2980,10 @@ simdop_error simdop_scene_check_joint_motion(simdop_scene *scene,
 /**
  * Which of `state_count` configurations are free? `poses` has a pose in the world of each of the `count` moving bodies
  * for the first configuration, then for the second, and so on. `free` has room for a byte of each configuration: 1 if
- * it is certainly free, and otherwise 0. Much faster than placing the bodies and asking one by one, since the library
- * tests sixteen configurations together.
+ * it is certainly free, and otherwise 0. Much faster than placing the bodies and querying one configuration at a time,
+ * since the library tests sixteen together.
  *
- * Attached bodies move along; all others stand still. The current poses of the moving bodies do not matter, and do not
+ * Attached bodies move along; all others stand still. The current poses of the moving bodies are ignored, and do not
  * change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates
  * memory for sixteen configurations at its first such call, and keeps it.
  *

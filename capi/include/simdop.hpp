@@ -50,7 +50,7 @@ using body_id = simdop_body_id;
 
 inline constexpr std::uint64_t no_budget = std::numeric_limits<std::uint64_t>::max();
 
-/* Whether the library is one that this header describes: before version 1, major and minor numbers are equal. */
+/* Whether this header matches the library: before version 1, major and minor numbers must be equal. */
 inline bool is_compatible() noexcept {
     return simdop_version() / 1000 == SIMDOP_VERSION / 1000;
 }
@@ -77,7 +77,7 @@ class error : public std::runtime_error {
 
 #ifdef SIMDOP_EXPECTED
 
-/* A value or an error. Reading what is not there ends the program. */
+/* A value or an error. Reading the one that is absent ends the program. */
 template <class T> class [[nodiscard]] result {
   public:
     result(T value) : value_(std::make_unique<T>(std::move(value))) {}
@@ -160,7 +160,7 @@ struct never {
 }
 #endif
 
-/* What a function writes through its last pointer. */
+/* The value that a function writes through its last pointer. */
 template <class T, class Ask> result<T> answer(Ask ask) {
     T value{};
     const simdop_error code = ask(&value);
@@ -180,7 +180,7 @@ inline result<void> done(simdop_error code) {
 #endif
 }
 
-/* An object that copies share. */
+/* A handle whose copies share one object. */
 template <class Raw, void (*Destroy)(Raw *)> class shared {
   public:
     Raw *get() const noexcept {
@@ -206,8 +206,8 @@ template <class Owner, class Raw, class Make> result<Owner> make(Make make) {
     return Owner(raw);
 }
 
-/* Calls a function of the caller from C. It may return nothing, or whether to go on. What it throws is thrown again
-   after the query. */
+/* Calls a function of the caller from C. It may return nothing, or whether to go on. An exception is rethrown after
+   the query. */
 template <class Call> class callback {
   public:
     explicit callback(Call &call) : call_(call) {}
@@ -241,7 +241,7 @@ template <class Call> class callback {
 
 /* ---- Views ---- */
 
-/* A pointer and a length. Not an owner. */
+/* A pointer and a length. Owns nothing. */
 template <class T> class view {
   public:
     constexpr view() noexcept = default;
@@ -264,7 +264,7 @@ template <class T> class view {
     constexpr T &operator[](std::size_t i) const {
         return data_[i];
     }
-    /* Not NULL, also of an empty view, as the C functions require. */
+    /* Never NULL, not even for an empty view, as the C functions require. */
     T *data() const noexcept {
         static std::remove_const_t<T> nothing{};
         return data_ != nullptr ? data_ : &nothing;
@@ -285,7 +285,7 @@ inline pose identity() noexcept {
     return translation(0, 0, 0);
 }
 
-/* Of a quaternion (x, y, z, w) and a translation. */
+/* The pose of a quaternion (x, y, z, w) and a translation. */
 inline result<pose> from_quaternion(const std::array<double, 4> &xyzw, const vec3 &at) {
     return detail::answer<pose>(
         [&](pose *pose) { return simdop_pose_from_quaternion(xyzw.data(), at.data(), pose); });
@@ -466,7 +466,7 @@ inline result<void> collide(const body &a, const body &b, view<const pose> a_in_
         simdop_collide_at_poses(a.get(), b.get(), a_in_b.data(), count, budget, answers.data()));
 }
 
-/* What one query found, for the next one of the same bodies at a nearby pose. */
+/* What a query found. Speeds up the next query of the same bodies at a nearby pose. */
 class hint {
   public:
     result<simdop_answer> collide(const body &a, const body &b, const pose &a_in_b,
@@ -519,14 +519,14 @@ inline result<simdop_penetration_answer> penetration(const body &a, const body &
     });
 }
 
-/* How deep two bodies are in each other. */
+/* How deeply two bodies overlap. */
 inline result<simdop_depth_answer> depth(const body &a, const body &b, const pose &a_in_b,
                                          std::uint64_t budget = no_budget) {
     return detail::answer<simdop_depth_answer>(
         [&](simdop_depth_answer *answer) { return simdop_depth(a.get(), b.get(), &a_in_b, budget, answer); });
 }
 
-/* How far A has to move along a direction until it has left B for good. */
+/* How far A must be translated along a direction so that it does not meet B there or anywhere beyond. */
 inline result<double> depth_along(const body &a, const body &b, const pose &a_in_b, const vec3 &direction,
                                   std::uint64_t budget = no_budget) {
     return detail::answer<double>([&](double *depth) {
@@ -542,7 +542,7 @@ inline result<simdop_signed_distance_answer> signed_distance(const body &a, cons
     });
 }
 
-/* Writes the contacts of triangles that fit. */
+/* Writes contacts of triangles, as many as fit. */
 inline result<simdop_contacts_answer> contacts(const body &a, const body &b, const pose &a_in_b,
                                                view<simdop_contact> into, std::uint64_t budget = no_budget) {
     return detail::answer<simdop_contacts_answer>([&](simdop_contacts_answer *answer) {
@@ -575,7 +575,7 @@ inline result<packing> pack(const mesh &mesh, std::size_t count) {
     return made;
 }
 
-/* Spheres that contain a mesh, and nothing farther than `most` from it. Computed twice if `room` is too little. */
+/* Spheres that contain a mesh, and nothing farther than `most` from it. Computed twice if `room` is too small. */
 inline result<std::vector<sphere>> cover(const mesh &mesh, double most, bool is_solid, std::size_t room = 1024) {
     std::vector<sphere> spheres;
     for (;;) {
@@ -606,7 +606,7 @@ struct neighbours {
     }
 };
 
-/* Copies share one cloud: what one changes, all see. It must not change while it is in a scene. */
+/* Copies share one cloud: a change of one is a change of all. A cloud must not change while it is in a scene. */
 class cloud : public detail::shared<simdop_cloud, simdop_cloud_destroy> {
   public:
     explicit cloud(simdop_cloud *raw) {
@@ -675,7 +675,7 @@ class cloud : public detail::shared<simdop_cloud, simdop_cloud_destroy> {
         return stats;
     }
 
-    /* The k nearest of each point, into points.size() * k places. */
+    /* The k nearest neighbours of each point, into points.size() * k places. */
     result<void> nearest(view<const point> points, std::size_t k, view<simdop_neighbour> neighbours) const {
         if (k != 0 && neighbours.size() / k < points.size()) {
             return detail::done(SIMDOP_ERROR_BUFFER);
@@ -684,7 +684,7 @@ class cloud : public detail::shared<simdop_cloud, simdop_cloud_destroy> {
             simdop_cloud_nearest(get(), points.data()->data(), points.size(), k, neighbours.data()));
     }
 
-    /* Into as many numbers as the capacity. */
+    /* Counts neighbours, into as many numbers as the capacity. */
     result<simdop_range_stats> count(float radius, view<std::uint32_t> counts) const {
         return detail::answer<simdop_range_stats>([&](simdop_range_stats *stats) {
             return simdop_cloud_count(get(), &radius, 1, counts.data(), counts.size(), stats);
@@ -751,7 +751,7 @@ class robot : public detail::shared<simdop_robot, simdop_robot_free> {
 
 /* ---- Scenes ---- */
 
-/* A scene is not copied: each thread has its own, of shared bodies. */
+/* Scenes are not copied: each thread has its own, with shared bodies. */
 class scene {
   public:
     static result<scene> create() {
@@ -862,7 +862,7 @@ class scene {
         });
     }
 
-    /* The least distance, or minus the depth of the bodies that are deepest in each other. */
+    /* The least distance, or minus the depth of the pair that overlaps most deeply. */
     result<simdop_scene_signed_answer> signed_clearance(double tolerance = 0,
                                                         double cutoff = std::numeric_limits<double>::infinity(),
                                                         std::uint64_t budget = no_budget) const {
@@ -899,7 +899,7 @@ class scene {
         });
     }
 
-    /* The same at values of a robot's variables: as many for each byte of `free`. */
+    /* The same for values of a robot's variables: one for each variable and each byte of `free`. */
     result<simdop_states_answer> check_states(view<const body_id> moving, const robot &robot,
                                               view<const double> values, view<std::uint8_t> free,
                                               std::uint64_t budget = no_budget) {
@@ -927,7 +927,7 @@ class scene {
         });
     }
 
-    /* A motion given by callbacks. */
+    /* Is a motion given by callbacks free at all times? */
     result<simdop_motion_answer> check_motion(view<const body_id> moving, const simdop_motion &motion,
                                               double resolution, std::uint64_t budget = no_budget) {
         return detail::answer<simdop_motion_answer>([&](simdop_motion_answer *answer) {
@@ -935,7 +935,7 @@ class scene {
         });
     }
 
-    /* At parts + 1 times only. */
+    /* The same, but only at parts + 1 times. */
     result<simdop_motion_answer> check_motion_discrete(view<const body_id> moving, const simdop_motion &motion,
                                                        std::uint32_t parts, std::uint64_t budget = no_budget) {
         return detail::answer<simdop_motion_answer>([&](simdop_motion_answer *answer) {
@@ -944,7 +944,7 @@ class scene {
         });
     }
 
-    /* Into places for a number of each variable: values at which two bodies meet, and at which they do not. */
+    /* Writes values of the variables at which two bodies meet, and values at which they do not. */
     result<simdop_pair_report> classify_pair(view<const body_id> moving, const robot &robot, body_id a, body_id b,
                                              std::size_t boxes, view<double> meeting, view<double> free) {
         return detail::answer<simdop_pair_report>([&](simdop_pair_report *report) {
@@ -969,14 +969,14 @@ class scene {
     std::unique_ptr<simdop_scene, destroy> raw_;
 };
 
-/* A role of bodies that stand still. */
+/* The role of a body that stands still. */
 inline simdop_role fixed() noexcept {
     simdop_role role = simdop_role_default();
     role.is_fixed = 1;
     return role;
 }
 
-/* A role of bodies with everything within a radius of them. */
+/* The role of a body that includes everything within a radius of it. */
 inline simdop_role padded(double radius) noexcept {
     simdop_role role = simdop_role_default();
     role.radius = radius;
@@ -1018,7 +1018,7 @@ class description : public detail::shared<simdop_description, simdop_description
         });
     }
 
-    /* The body of an index that is a shape. */
+    /* Builds the body of an index, if it is a shape. */
     result<body> build_body(std::size_t index) const {
         return detail::make<body, simdop_body>(
             [&](simdop_body **body) { return simdop_description_build_body(get(), index, body); });
@@ -1047,7 +1047,7 @@ class description : public detail::shared<simdop_description, simdop_description
 /* ---- Planners ---- */
 
 #ifdef SIMDOP_PLANNING
-/* A robot among objects, asked by the values of its joints. Copies share all trees. */
+/* A robot among objects, queried by joint values. Copies share all trees. */
 class planner {
   public:
     /* Memory for the queries of one thread. */
@@ -1072,7 +1072,7 @@ class planner {
         std::unique_ptr<simdop_workspace, destroy> raw_;
     };
 
-    /* From the paths of a URDF file, an SRDF file, which may be empty, and the meshes that they name. */
+    /* From the paths of a URDF file and an SRDF file, which may be empty. Also reads the meshes that they name. */
     static result<planner> load(const std::string &urdf, const std::string &srdf = {}, double cap = 0) {
         return detail::make<planner, simdop_planner>([&](simdop_planner **planner) {
             return simdop_planner_load(urdf.c_str(), srdf.empty() ? nullptr : srdf.c_str(), cap, planner);
@@ -1130,7 +1130,7 @@ class planner {
         });
     }
 
-    /* The names of the groups of joints of the SRDF file. */
+    /* The names of the groups of joints in the SRDF file. */
     result<std::vector<std::string>> groups() const {
         std::size_t count = 0;
         (void)simdop_planner_groups(get(), &count);
@@ -1152,14 +1152,14 @@ class planner {
     result<void> place_base(const pose &world) {
         return detail::done(simdop_planner_place_base(get(), &world));
     }
-    /* The shortest interval of time that a motion is split into, of 0 to 1. */
+    /* The shortest interval of time that a motion, from 0 to 1, is split into. */
     result<void> set_resolution(double resolution) {
         return detail::done(simdop_planner_set_resolution(get(), resolution));
     }
     result<void> set_budget(std::uint64_t budget) {
         return detail::done(simdop_planner_set_budget(get(), budget));
     }
-    /* Makes check_states() faster, by bounds in cells of this width. */
+    /* Speeds up queries of configurations and motions, by bounds in cells of this width. */
     result<void> use_bounds(double cell) {
         return detail::done(simdop_planner_use_bounds(get(), cell));
     }
@@ -1242,7 +1242,7 @@ class planner {
         });
     }
 
-    /* The same at parts + 1 times only. */
+    /* The same, but only at parts + 1 times. */
     result<simdop_motion_answer> check_motion_discrete(workspace &workspace, view<const double> from,
                                                        view<const double> to, std::uint32_t parts) const {
         if (from.size() != variables() || to.size() != variables()) {
@@ -1318,7 +1318,7 @@ class planner {
         }
     }
 
-    /* A random free configuration, from numbers of 0 to 1 that `random()` returns. Empty after as many tries. */
+    /* A random free configuration, from numbers in [0, 1) that `random()` returns. Empty after `tries` failures. */
     template <class Random>
     result<std::vector<double>> random_free(workspace &workspace, Random random, std::size_t tries) const {
         std::exception_ptr thrown;
@@ -1356,7 +1356,7 @@ class planner {
         });
     }
 
-    /* The derivative of `near` by each variable, after the query that it answered. */
+    /* The derivative of `near` by each variable; `near` must answer the workspace's last query. */
     result<void> clearance_gradient(workspace &workspace, const simdop_scene_clearance_answer &near,
                                     view<double> gradient) const {
         if (gradient.size() != variables()) {
@@ -1372,7 +1372,7 @@ class planner {
         });
     }
 
-    /* As of a scene: into places for a number of each variable of the robot. */
+    /* Like scene::classify_pair(): writes a number for each variable of the robot. */
     result<simdop_pair_report> classify_pair(workspace &workspace, body_id a, body_id b, std::size_t boxes,
                                              view<double> meeting, view<double> free) const {
         return detail::answer<simdop_pair_report>([&](simdop_pair_report *report) {
@@ -1381,7 +1381,7 @@ class planner {
         });
     }
 
-    /* As of a scene; `gradient` gets the derivative by each variable. */
+    /* Like scene::signed_clearance(); `gradient` gets the derivative by each variable. */
     result<simdop_scene_signed_answer> signed_clearance(
         workspace &workspace, view<const double> values, view<double> gradient, double tolerance = 0,
         double cutoff = std::numeric_limits<double>::infinity()) const {

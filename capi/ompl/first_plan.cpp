@@ -3,19 +3,14 @@
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <simdop_ompl.hpp>
 
-#include <fstream>
 #include <iostream>
 
 int main(int, char **arguments) {
     namespace planning = simdop::planning_with_ompl;
-    std::ifstream urdf(arguments[1]), srdf(arguments[2]);
-    const auto description = simdop::description::read(std::string(std::istreambuf_iterator<char>(urdf), {}));
+    simdop::planner planner = simdop::planner::load(arguments[1], arguments[2]);
     const simdop::body post = simdop::body::shape(simdop::cylinder(0.05, 2));
-    const auto add_post = [&](simdop::scene &scene) {
-        scene.insert(post, simdop::translation(0.45, 0, 1), simdop::fixed());
-    };
-    const auto arm = std::make_shared<planning::arm>(description, planning::arm::shapes_of(description), add_post,
-                                                     std::string(std::istreambuf_iterator<char>(srdf), {}));
+    planner.insert(post, simdop::translation(0.45, 0, 1), simdop::fixed());
+    const auto arm = std::make_shared<planning::arm>(std::move(planner));
 
     ompl::geometric::SimpleSetup setup(planning::information_of(arm));
     ompl::base::ScopedState<> start(setup.getStateSpace()), goal(setup.getStateSpace());

@@ -1,9 +1,8 @@
 /*
- * simdop for OMPL: a validity checker with clearance, and a motion validator that proves edges free at all times
- * instead of sampling them. Needs simdop.hpp with exceptions and SIMDOP_URDF, which CMake's targets define.
+ * simdop for OMPL: a validity checker with clearance, and a motion validator that proves motions free at all times
+ * instead of sampling them. Needs simdop.hpp with exceptions and SIMDOP_PLANNING, which CMake's targets define.
  *
- * Threads. Both may be used by several threads at once: each thread gets a scene of its own, of shared bodies, at its
- * first query.
+ * Threads. Both may be used by several threads at once: each thread gets a workspace of its own at its first query.
  */
 #ifndef SIMDOP_OMPL_HPP
 #define SIMDOP_OMPL_HPP
@@ -14,59 +13,53 @@
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/StateValidityChecker.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/base/spaces/SO2StateSpace.h>
 
-#include <functional>
+#include <limits>
+#include <memory>
 #include <mutex>
 #include <shared_mutex>
 #include <thread>
+#include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace simdop {
 namespace planning_with_ompl {
 
 namespace base = ::ompl::base;
 
-/* A robot among obstacles, whose states are the values of its variables. */
+/* The robot of a planner, whose states are the values of the variables that it plans for. */
 class arm {
   public:
-    /* What a thread asks. */
+    /* The memory of one thread's queries. */
     struct context {
-        simdop::scene scene;
-        std::vector<body_id> ids;
-        simdop::robot robot;
-        std::vector<pose> poses;
+        simdop::planner::workspace workspace;
+        /* Values of both ends of a motion, or of one state in the first half. */
+        std::vector<double> ends;
+
+        double *second() {
+            return ends.data() + ends.size() / 2;
+        }
     };
 
-    /* `links` are the robot's bodies in its order; `add_obstacles` inserts the others into a scene of each thread.
-       `srdf` is the text of an SRDF file, or empty. */
-    arm(simdop::description description, std::vector<body> links, std::function<void(simdop::scene &)> add_obstacles,
-        std::string srdf = {}, const pose &base = identity())
-        : description_(std::move(description)), links_(std::move(links)), add_obstacles_(std::move(add_obstacles)),
-          srdf_(std::move(srdf)), base_(base) {}
-
-    /* The robot's bodies, if all of them are shapes. */
-    static std::vector<body> shapes_of(const simdop::description &description) {
-        std::vector<body> bodies;
-        for (std::size_t i = 0; i < description.bodies(); i++) {
-            bodies.push_back(description.build_body(i));
-        }
-        return bodies;
+    /* Keeps the planner, which no longer changes. Its queries are faster after `planner.use_bounds(0.02)`, whose
+       costs are documented there. */
+    explicit arm(simdop::planner planner) : planner_(std::move(planner)), space_(space_of(planner_)) {
+        /* Makes the first query of this thread as fast as the later ones. */
+        (void)here();
     }
 
-    /* The values of its variables within their limits. */
-    std::shared_ptr<base::RealVectorStateSpace> space() const {
-        const auto count = static_cast<unsigned>(description_.variables());
-        auto space = std::make_shared<base::RealVectorStateSpace>(count);
-        base::RealVectorBounds bounds(count);
-        for (unsigned i = 0; i < count; i++) {
-            const simdop_variable variable = description_.variable(i);
-            bounds.setLow(i, variable.lower);
-            bounds.setHigh(i, variable.upper);
-        }
-        space->setBounds(bounds);
-        return space;
+    const simdop::planner &planner() const {
+        return planner_;
     }
 
-    /* Of the calling thread. */
+    /* The variables in their order: real numbers within their limits, and angles for continuous joints. */
+    const base::StateSpacePtr &space() const {
+        return space_;
+    }
+
+    /* The context of the calling thread. */
     context &here() const {
         const std::thread::id id = std::this_thread::get_id();
         {
@@ -76,36 +69,64 @@ class arm {
                 return *found->second;
             }
         }
-        auto made = std::make_unique<context>(build());
+        auto made = std::make_unique<context>(
+            context{planner_.make_workspace(), std::vector<double>(2 * planner_.variables())});
         const std::unique_lock<std::shared_mutex> lock(mutex_);
         return *contexts_.emplace(id, std::move(made)).first->second;
     }
 
-    static const double *values(const base::State *state) {
-        return state->as<base::RealVectorStateSpace::StateType>()->values;
+    /* Writes the values of a state to `values`, and returns `values`. */
+    const double *write(const base::State *state, double *values) const {
+        double *next = values;
+        for (const auto &location : space_->getValueLocations()) {
+            *next++ = *space_->getValueAddressAtLocation(state, location);
+        }
+        return values;
+    }
+
+    /* Whether a query has an answer. Values out of limits have none, but throw no exception. */
+    static bool has_answer(simdop_error code) {
+        if (code != SIMDOP_ERROR_NONE && code != SIMDOP_ERROR_MOTION_OUT_OF_LIMITS) {
+            throw error::last(code);
+        }
+        return code == SIMDOP_ERROR_NONE;
     }
 
   private:
-    context build() const {
-        context made{scene::create(), {}, description_.build_robot(base_), std::vector<pose>(links_.size())};
-        for (const body &link : links_) {
-            made.ids.push_back(made.scene.insert(link));
+    static base::StateSpacePtr space_of(const simdop::planner &planner) {
+        std::vector<simdop_variable> variables;
+        for (std::size_t i = 0; i < planner.variables(); i++) {
+            variables.push_back(planner.variable(i));
         }
-        description_.select_pairs(srdf_, made.scene, made.ids);
-        add_obstacles_(made.scene);
-        return made;
+        std::vector<base::StateSpacePtr> parts;
+        for (auto next = variables.begin(); next != variables.end();) {
+            if (next->is_continuous != 0) {
+                parts.push_back(std::make_shared<base::SO2StateSpace>());
+                ++next;
+                continue;
+            }
+            auto part = std::make_shared<base::RealVectorStateSpace>();
+            for (; next != variables.end() && next->is_continuous == 0; ++next) {
+                part->addDimension(next->name, next->lower, next->upper);
+            }
+            parts.push_back(part);
+        }
+        const auto space = parts.size() == 1 ? parts.front() : sum_of(parts);
+        space->computeLocations();
+        return space;
     }
 
-    simdop::description description_;
-    std::vector<body> links_;
-    std::function<void(simdop::scene &)> add_obstacles_;
-    std::string srdf_;
-    pose base_;
+    static base::StateSpacePtr sum_of(const std::vector<base::StateSpacePtr> &parts) {
+        return std::make_shared<base::CompoundStateSpace>(parts, std::vector<double>(parts.size(), 1));
+    }
+
+    simdop::planner planner_;
+    base::StateSpacePtr space_;
     mutable std::shared_mutex mutex_;
     mutable std::unordered_map<std::thread::id, std::unique_ptr<context>> contexts_;
 };
 
-/* A state is valid if it is certainly free. States out of the limits are not. */
+/* A state is valid if it is certainly free. States out of limits are invalid. */
 class validity_checker : public base::StateValidityChecker {
   public:
     validity_checker(const base::SpaceInformationPtr &information, std::shared_ptr<const arm> arm)
@@ -115,89 +136,69 @@ class validity_checker : public base::StateValidityChecker {
 
     bool isValid(const base::State *state) const override {
         arm::context &here = arm_->here();
-        std::uint8_t is_free = 0;
-        simdop_states_answer answer{};
-        /* By C, since a state out of the limits is no exception. */
-        const simdop_error code = simdop_scene_check_joint_states(here.scene.get(), here.ids.data(), here.ids.size(),
-                                                                  here.robot.get(), arm::values(state), 1, no_budget,
-                                                                  &is_free, &answer);
-        if (code != SIMDOP_ERROR_NONE && code != SIMDOP_ERROR_MOTION_OUT_OF_LIMITS) {
-            throw error::last(code);
-        }
-        return code == SIMDOP_ERROR_NONE && is_free != 0;
+        simdop_scene_answer answer{};
+        const double *values = arm_->write(state, here.ends.data());
+        const simdop_error code =
+            simdop_planner_within(arm_->planner().get(), here.workspace.get(), values, 0, &answer);
+        return arm::has_answer(code) && answer.verdict == SIMDOP_VERDICT_FREE;
     }
 
-    /* A lower bound on the distance of any two bodies that are tested, up to rounding their distance. */
+    /* A lower bound on the distance of all tested pairs of bodies, equal to it up to rounding. */
     double clearance(const base::State *state) const override {
         arm::context &here = arm_->here();
-        const simdop_error code = simdop_robot_poses(here.robot.get(), arm::values(state), here.poses.data());
-        if (code == SIMDOP_ERROR_MOTION_OUT_OF_LIMITS) {
-            return 0;
-        }
-        if (code != SIMDOP_ERROR_NONE) {
-            throw error::last(code);
-        }
-        here.scene.place(here.ids, here.poses);
-        return here.scene.clearance().lower;
+        simdop_scene_clearance_answer answer{};
+        const double *values = arm_->write(state, here.ends.data());
+        const simdop_error code = simdop_planner_clearance(arm_->planner().get(), here.workspace.get(), values, 0,
+                                                           std::numeric_limits<double>::infinity(), &answer);
+        return arm::has_answer(code) ? answer.lower : 0;
     }
 
   private:
     std::shared_ptr<const arm> arm_;
 };
 
-/* A motion is valid if it is certainly free at all times. */
+/* A motion is valid if it is certainly free at all times. Motions out of limits are invalid. */
 class motion_validator : public base::MotionValidator {
   public:
-    /* Intervals of time not longer than `resolution`, of 0 to 1, are not split. */
-    motion_validator(const base::SpaceInformationPtr &information, std::shared_ptr<const arm> arm,
-                     double resolution = 1e-6)
-        : base::MotionValidator(information), arm_(std::move(arm)), resolution_(resolution) {}
+    motion_validator(const base::SpaceInformationPtr &information, std::shared_ptr<const arm> arm)
+        : base::MotionValidator(information), arm_(std::move(arm)) {}
 
     bool checkMotion(const base::State *from, const base::State *to) const override {
-        return counted(ask(from, to).verdict == SIMDOP_MOTION_VERDICT_FREE);
+        arm::context &here = ends(from, to);
+        std::uint8_t is_free = 0;
+        std::size_t count = 0;
+        const simdop_error code = simdop_planner_check_motions(arm_->planner().get(), here.workspace.get(),
+                                                               here.ends.data(), 1, &is_free, &count);
+        return counted(arm::has_answer(code) && is_free != 0);
     }
 
     /* The last valid state is the end of the longest motion from `from` that was proved free, up to 1/1024. */
     bool checkMotion(const base::State *from, const base::State *to,
                      std::pair<base::State *, double> &last_valid) const override {
-        const simdop_motion_answer answer = ask(from, to);
-        if (counted(answer.verdict == SIMDOP_MOTION_VERDICT_FREE)) {
+        arm::context &here = ends(from, to);
+        double share = 0;
+        const simdop_error code = simdop_planner_free_share(arm_->planner().get(), here.workspace.get(),
+                                                            here.ends.data(), here.second(), &share);
+        if (counted(arm::has_answer(code) && share == 1)) {
             return true;
         }
-        const bool is_hit = answer.verdict == SIMDOP_MOTION_VERDICT_HIT;
-        double low = is_hit ? 0 : answer.from, high = is_hit ? answer.time : answer.from;
-        base::State *middle = si_->allocState();
-        while (high - low > 1.0 / 1024) {
-            const double time = low + (high - low) / 2;
-            si_->getStateSpace()->interpolate(from, to, time, middle);
-            (ask(from, middle).verdict == SIMDOP_MOTION_VERDICT_FREE ? low : high) = time;
-        }
-        si_->freeState(middle);
-        last_valid.second = low;
+        last_valid.second = share;
         if (last_valid.first != nullptr) {
-            si_->getStateSpace()->interpolate(from, to, low, last_valid.first);
+            si_->getStateSpace()->interpolate(from, to, share, last_valid.first);
         }
         return false;
     }
 
   private:
-    /* A motion that leaves the limits is unresolved from its start. */
-    simdop_motion_answer ask(const base::State *from, const base::State *to) const {
+    /* The context of the calling thread, with the values of both states. */
+    arm::context &ends(const base::State *from, const base::State *to) const {
         arm::context &here = arm_->here();
-        simdop_motion_answer answer{};
-        const simdop_error code = simdop_scene_check_joint_motion(
-            here.scene.get(), here.ids.data(), here.ids.size(), here.robot.get(), arm::values(from), arm::values(to),
-            resolution_, no_budget, &answer);
-        if (code == SIMDOP_ERROR_MOTION_OUT_OF_LIMITS) {
-            answer.verdict = SIMDOP_MOTION_VERDICT_UNRESOLVED;
-            answer.from = 0;
-        } else if (code != SIMDOP_ERROR_NONE) {
-            throw error::last(code);
-        }
-        return answer;
+        (void)arm_->write(from, here.ends.data());
+        (void)arm_->write(to, here.second());
+        return here;
     }
 
-    /* The counters are the base class's, and only statistics. */
+    /* The counters belong to the base class, and are only statistics. */
     bool counted(bool is_valid) const {
         const std::lock_guard<std::mutex> lock(counters_);
         (is_valid ? valid_ : invalid_)++;
@@ -205,11 +206,10 @@ class motion_validator : public base::MotionValidator {
     }
 
     std::shared_ptr<const arm> arm_;
-    double resolution_;
     mutable std::mutex counters_;
 };
 
-/* The space of an arm's states, set up with both. */
+/* The space information of an arm, set up with the checker and the validator. */
 inline base::SpaceInformationPtr information_of(const std::shared_ptr<const arm> &arm) {
     auto information = std::make_shared<base::SpaceInformation>(arm->space());
     information->setStateValidityChecker(std::make_shared<validity_checker>(information, arm));

@@ -22,7 +22,7 @@ pub(crate) type Node<S> = Node16<18, S>;
 pub enum simdop_storage {
     /// Fixed point: equally precise everywhere in the body.
     Fixed = 0,
-    /// Half floats: more precise near the centre of the body, and less far from it.
+    /// Half floats: more precise near the centre of the body, and less precise far from it.
     Half = 1,
 }
 
@@ -80,7 +80,7 @@ pub(crate) enum View<'t, S: Storage> {
     Shape(&'t Shape),
 }
 
-/// The same, of any storage. One shape goes with both.
+/// [`View`] with planes of either storage. One shape has no storage, and goes with both.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum AnyView<'t> {
     Fixed(View<'t, Fixed>),
@@ -139,7 +139,7 @@ impl<'t, S: Storage> View<'t, S> {
 }
 
 impl<'t> AnyView<'t> {
-    /// The storage. `None` of one shape.
+    /// The storage. `None` for one shape.
     pub(crate) const fn storage(&self) -> Option<StorageKind> {
         match self {
             Self::Fixed(_) => Some(StorageKind::Fixed),
@@ -277,7 +277,7 @@ pub unsafe extern "C" fn simdop_body_build_surface(
     }
 }
 
-/// Builds the solid that closed triangles bound: a body wholly inside it is a hit, too. Otherwise like
+/// Builds the solid that a closed mesh bounds: a body wholly inside it is a hit, too. Otherwise like
 /// simdop_body_build_surface().
 ///
 /// # Safety
@@ -321,7 +321,7 @@ pub unsafe extern "C" fn simdop_body_build_triangles_as(
 
 /// Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
 /// not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners
-/// of its border. Caps count for what is inside, and for nothing else: no distance is measured from a cap, and no pair
+/// of its border. Caps only close the surface that bounds the inside: no distance is measured from a cap, and no pair
 /// names one. A body that meets a cap is partly inside, and a hit. simdop_body_caps() reports what was capped.
 ///
 /// # Safety
@@ -345,7 +345,7 @@ pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
 
 /// Builds the convex hull of points as a solid of triangles. `points` holds x, y, z for each of `count` points, in any
 /// order; they may coincide. The hull is exact: its corners are points, and no point is outside. The hull of points in
-/// one plane is a surface, and that of none is empty.
+/// one plane is a surface, and the hull of no points is empty.
 ///
 /// # Safety
 /// The array has the stated length.
@@ -379,7 +379,7 @@ pub unsafe extern "C" fn simdop_body_build_hull_as(
     })
 }
 
-/// The holes of a body that are capped.
+/// The capped holes of a body.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_caps {
@@ -387,11 +387,11 @@ pub struct simdop_caps {
     pub holes: usize,
     /// Number of triangles in their caps.
     pub triangles: usize,
-    /// The width of the widest, rounded up.
+    /// The width of the widest hole, rounded up.
     pub width: f64,
 }
 
-/// Writes what is capped of a body; zeros for a body without caps.
+/// Writes how many holes of a body are capped. All fields are 0 for a body without caps.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_caps(
     body: Option<&simdop_body>,
@@ -441,7 +441,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
 
 /// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive
 /// it has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a rotation carries its points,
-/// so that a motion which rotates it is never free.
+/// so a motion that rotates it is never free.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_build_shape(
     shape: Option<&simdop_shape>,
@@ -450,9 +450,9 @@ pub extern "C" fn simdop_body_build_shape(
     make(body, "body", || Ok(simdop_body::of_shape(given(shape, "shape")?.checked()?)))
 }
 
-/// Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
-/// cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body is empty,
-/// and meets nothing.
+/// Builds a body of `count` shapes, which may overlap, with a tree over them, such as a link of several capsules or a
+/// shelf of cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body
+/// is empty, and meets nothing.
 ///
 /// # Safety
 /// The array has the stated length.
@@ -486,8 +486,8 @@ pub unsafe extern "C" fn simdop_body_build_shapes_as(
     })
 }
 
-/// Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
-/// to the caller that opened it, and have the same lifetime. A body of one shape has none.
+/// Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body and
+/// live as long as it does; the bytes of an opened body belong to the caller. A body of one shape has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_bytes(
     body: Option<&simdop_body>,
@@ -505,8 +505,8 @@ pub extern "C" fn simdop_body_bytes(
 
 /// Proves, in exact arithmetic, that the volumes of a body's tree contain its primitives, and that its caps close the
 /// surface. SIMDOP_ERROR_BYTES_VOLUME if not: then a query could miss a hit. Opening bytes proves only that they are
-/// safe to traverse, so verify a file from an unknown source once. A body of one shape has no tree, and passes. Takes
-/// time in proportion to the primitives times the depth of the tree.
+/// safe to traverse, so verify a file from an unknown source once. A body of one shape has no tree, and passes. The
+/// time is proportional to the number of primitives times the depth of the tree.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_verify(body: Option<&simdop_body>) -> simdop_error {
     guarded(|| {

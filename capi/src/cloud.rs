@@ -16,7 +16,7 @@ pub struct simdop_cloud(PointCloud);
 pub struct simdop_cloud_size {
     /// Number of points.
     pub points: usize,
-    /// Indices of points are below this: the number of points that it was built from, unless there was room for more.
+    /// Indices of points are below this: the number of points at construction, unless room for more was asked for.
     pub capacity: usize,
 }
 
@@ -61,8 +61,8 @@ pub unsafe extern "C" fn simdop_cloud_build_with_room(
 }
 
 /// Moves all points. `points` holds x, y, z for each of `count` indices, at least the capacity; those of an index
-/// without a point are ignored. Writes to `ratio` by how much the volume of a box of the tree has grown, at most, since
-/// the tree was built: rebuild where searches become slow, or at a ratio of about 10.
+/// without a point are ignored. Writes to `ratio` the largest growth factor of a box's volume since the tree was built:
+/// rebuild when searches become slow, or at a ratio of about 10.
 ///
 /// # Safety
 /// The array has the stated length.
@@ -81,14 +81,14 @@ pub unsafe extern "C" fn simdop_cloud_refit(
     })
 }
 
-/// Builds the tree of a cloud again from the points where they are now.
+/// Rebuilds the tree of a cloud from the current positions of its points.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_cloud_rebuild(cloud: Option<&mut simdop_cloud>) -> simdop_error {
     guarded(|| Ok(given(cloud, "cloud")?.0.rebuild()?))
 }
 
-/// Inserts a point under an index below the capacity that has none. `point` holds x, y, z. If no bucket near it has
-/// room, the error is SIMDOP_ERROR_CLOUD_FULL: rebuild.
+/// Inserts a point under an unused index below the capacity. `point` holds x, y, z. If no bucket near it has room, the
+/// error is SIMDOP_ERROR_CLOUD_FULL: rebuild.
 ///
 /// # Safety
 /// There are three numbers.

@@ -1,4 +1,4 @@
-//! How deep two bodies are in each other, and where they touch.
+//! Penetration depth of two bodies, and their contacts.
 
 use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given, items, places};
@@ -9,16 +9,16 @@ use simdop::query::{DepthInterval, SignedDistance, TriangleContact};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// The depth of two bodies that meet.
+/// The penetration depth of two bodies.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_depth_answer {
     /// Unless complete, the bounds may be loose, but are valid.
     pub completion: simdop_completion,
-    /// No shorter translation of A separates the bodies. Zero if they are free, or if nothing is known of their insides.
+    /// No shorter translation of A separates the bodies. Zero if they are free, or if their interiors are unknown.
     pub lower: f64,
-    /// The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was spent
-    /// before any translation was found.
+    /// The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was
+    /// spent before any translation was found.
     pub upper: f64,
     /// After this translation, in B's frame, A is free.
     pub translation: [f64; 3],
@@ -38,25 +38,25 @@ impl From<DepthInterval> for simdop_depth_answer {
     }
 }
 
-/// The distance of two bodies, negative where they meet.
+/// The distance of two bodies, or minus their penetration depth if they meet.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_signed_distance_answer {
     /// Unless complete, the bounds may be loose, but are valid.
     pub completion: simdop_completion,
-    /// Lower bound: of bodies that meet, minus the upper bound of their depth.
+    /// Lower bound. If the bodies meet: minus the upper bound of their depth.
     pub lower: f64,
-    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    /// Upper bound. If the bodies meet: minus the lower bound of their depth.
     pub upper: f64,
-    /// The unit vector, in B's frame, along which a translation of A raises the distance the fastest. Zeros if none is
+    /// The unit vector, in B's frame, along which a translation of A increases the distance fastest. Zeros if none is
     /// known.
     pub normal: [f64; 3],
     /// The point of A, in B's frame.
     pub a: [f64; 3],
     /// The point of B.
     pub b: [f64; 3],
-    /// The derivative by the pose: three numbers for a translation of A along the axes of B's frame, then three for a
-    /// rotation about them, in radians.
+    /// The derivative with respect to the pose: three numbers for a translation of A along the axes of B's frame, then
+    /// three for a rotation about them, in radians.
     pub gradient: [f64; 6],
     /// Query statistics.
     pub stats: simdop_query_stats,
@@ -83,11 +83,11 @@ impl From<SignedDistance> for simdop_signed_distance_answer {
 pub struct simdop_contact {
     /// The triangles.
     pub pair: simdop_pair,
-    /// The unit normal of A's triangle in B's frame; zeros of a triangle without area.
+    /// The unit normal of A's triangle in B's frame; zeros if the triangle has no area.
     pub normal_a: [f64; 3],
     /// The unit normal of B's triangle.
     pub normal_b: [f64; 3],
-    /// Number of points: 1 or 2 of a point or segment, 3 to 6 of a polygon.
+    /// Number of points: 1 for a point, 2 for a segment, 3 to 6 for a polygon.
     pub count: usize,
     /// The points in B's frame; zeros beyond `count`.
     pub points: [[f64; 3]; 6],
@@ -107,7 +107,7 @@ impl From<TriangleContact> for simdop_contact {
     }
 }
 
-/// The contacts that were written, and how the query ended.
+/// How many contacts were written, and how the query ended.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_contacts_answer {
@@ -119,10 +119,11 @@ pub struct simdop_contacts_answer {
     pub stats: simdop_query_stats,
 }
 
-/// How deep are two bodies in each other, and which way out is the shortest? Of two shapes, and of a half-space and any
-/// body, the depth is known to rounding. Of solids of triangles the bounds are certain, but not tight. Of a surface,
-/// spheres or several shapes, nothing is known of the inside: the lower bound is 0, unless the other body is a
-/// half-space. Otherwise like simdop_collide().
+/// What is the penetration depth of two bodies: the length of the shortest translation that separates them? For two
+/// shapes, and for a half-space and any body, the depth is known to rounding. For solids of triangles, spheres and
+/// several shapes, the bounds are certain, but not tight. The interior of a cloud is unknown, and so is that of a
+/// surface paired with a mesh: then the lower bound is 0, unless the other body is a half-space. Otherwise like
+/// simdop_collide().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_depth(
     a: Option<&simdop_body>,
@@ -137,10 +138,10 @@ pub extern "C" fn simdop_depth(
     })
 }
 
-/// How far does body `a` have to be translated along `direction`, of three numbers in B's frame, until it does not meet
-/// `b` any more, however far it goes on? Writes an upper bound to `depth`, which exceeds the least such length by about
-/// 2^-30 of it. Zero for bodies that are free, infinite if the direction is zero or leads into a half-space. Otherwise
-/// like simdop_collide().
+/// How far must body `a` be translated along `direction`, three numbers in B's frame, until it no longer meets `b`,
+/// however much farther it moves? Writes an upper bound to `depth`, which exceeds the least such length by about 2^-30
+/// of it. The depth is zero if the bodies do not meet. It is infinite if they do and the direction is zero or leads
+/// into a half-space. Otherwise like simdop_collide().
 ///
 /// # Safety
 /// `direction` has three numbers.
@@ -161,8 +162,8 @@ pub unsafe extern "C" fn simdop_depth_along(
     })
 }
 
-/// How far apart are two bodies, or how deep in each other, with the derivative by the pose? `tolerance` is that of
-/// simdop_distance(), and the depth is that of simdop_depth().
+/// What is the signed distance of two bodies, the distance or minus the penetration depth, and its derivative with
+/// respect to the pose? `tolerance` is that of simdop_distance(), and the depth is that of simdop_depth().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_signed_distance(
     a: Option<&simdop_body>,
@@ -178,8 +179,8 @@ pub extern "C" fn simdop_signed_distance(
     })
 }
 
-/// Where do the triangles of two bodies touch? Writes at most `room` contacts. Other bodies are SIMDOP_ERROR_NOT_MESHES.
-/// Otherwise like simdop_collide().
+/// Where do the triangles of two bodies touch? Writes at most `room` contacts. A body of anything else is
+/// SIMDOP_ERROR_NOT_MESHES. Otherwise like simdop_collide().
 ///
 /// # Safety
 /// `contacts` has room for `room` contacts.

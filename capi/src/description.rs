@@ -12,7 +12,7 @@ use std::ffi::{CString, c_char, c_int};
 use std::mem::MaybeUninit;
 use std::ptr::null;
 
-/// A robot as a URDF file describes it. Links on fixed joints are merged into the moving link before them.
+/// A robot as a URDF file describes it. Links on fixed joints are merged into the moving link that carries them.
 #[derive(Debug)]
 pub struct simdop_description {
     robot: Robot,
@@ -22,13 +22,13 @@ pub struct simdop_description {
     files: Vec<Option<CString>>,
 }
 
-/// How much a description holds.
+/// The numbers of variables and bodies of a description.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_description_size {
-    /// Number of variables: of moving joints that mimic no other.
+    /// Number of variables: one for each moving joint that mimics no other.
     pub variables: usize,
-    /// Number of bodies: of collision shapes, or of visual ones.
+    /// Number of bodies, which are collision shapes or visual shapes.
     pub bodies: usize,
 }
 
@@ -40,8 +40,10 @@ pub struct simdop_variable {
     pub name: *const c_char,
     /// Its lower limit.
     pub lower: f64,
-    /// Its upper limit. A continuous joint has one full turn either way.
+    /// Its upper limit. The limits of a continuous joint are one full turn either way.
     pub upper: f64,
+    /// Nonzero: its joint is continuous, so that values that differ by full turns are equivalent.
+    pub is_continuous: c_int,
 }
 
 /// A body of a robot.
@@ -50,14 +52,14 @@ pub struct simdop_variable {
 pub struct simdop_described_body {
     /// The name of its link in the file. Valid as long as the description.
     pub link_name: *const c_char,
-    /// The moving link that carries it: 0 is the base.
+    /// The moving link that carries the body: 0 is the base.
     pub link: u32,
     /// Its pose in that link's frame.
     pub pose: simdop_pose,
     /// The name of its mesh file, which the caller reads, as in the URDF file: often a `package://` URL. NULL for a
     /// shape: see simdop_description_build_body(). Valid as long as the description.
     pub mesh_file: *const c_char,
-    /// Factors of the mesh file's coordinates.
+    /// Scale factors for the mesh file's coordinates.
     pub mesh_scale: [f64; 3],
 }
 
@@ -84,8 +86,8 @@ pub(crate) fn at<T>(items: &[T], index: usize) -> Result<&T, Failure> {
     })
 }
 
-/// Reads the text of a URDF file, of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes
-/// if `is_visual` is not zero. Mesh files are named, but not read.
+/// Reads the text of a URDF file of `count` bytes. The robot's bodies are its collision shapes, or its visual shapes if
+/// `is_visual` is not zero. Mesh files are named, but not read.
 ///
 /// # Safety
 /// The text has the stated length.
@@ -114,7 +116,7 @@ pub unsafe extern "C" fn simdop_description_read(
     })
 }
 
-/// Writes how much a description holds.
+/// Writes the numbers of variables and bodies of a description.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_description_get_size(
     description: Option<&simdop_description>,
@@ -129,7 +131,7 @@ pub extern "C" fn simdop_description_get_size(
     })
 }
 
-/// Writes the variable of an index, in the order of the robot's values.
+/// Writes the variable with this index, in the order of the robot's values.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_description_get_variable(
     description: Option<&simdop_description>,
@@ -139,11 +141,12 @@ pub extern "C" fn simdop_description_get_variable(
     answered(variable, || {
         let description = given(description, "description")?;
         let [lower, upper] = *at(&description.robot.limits, index)?;
-        Ok(simdop_variable { name: at(&description.variables, index)?.as_ptr(), lower, upper })
+        let is_continuous = (*at(&description.robot.continuous, index)?).into();
+        Ok(simdop_variable { name: at(&description.variables, index)?.as_ptr(), lower, upper, is_continuous })
     })
 }
 
-/// Writes the body of an index, in the order of the robot's bodies.
+/// Writes the body with this index, in the order of the robot's bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_description_get_body(
     description: Option<&simdop_description>,
@@ -167,7 +170,7 @@ pub extern "C" fn simdop_description_get_body(
     })
 }
 
-/// Builds the body of an index, if it is a shape: a cuboid, sphere, cylinder or capsule. One that is a mesh file is
+/// Builds the body with this index, if it is a shape: a cuboid, sphere, cylinder or capsule. One that is a mesh file is
 /// SIMDOP_ERROR_DESCRIPTION_MESH: read it, scale its coordinates, and build a body of its triangles.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_description_build_body(
@@ -183,7 +186,7 @@ pub extern "C" fn simdop_description_build_body(
     })
 }
 
-/// Creates the robot of a description. `base` is the pose of its base in the world.
+/// Creates the robot of a description. `base` is the pose of the robot's base in the world.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_description_build_robot(
     description: Option<&simdop_description>,
@@ -198,8 +201,8 @@ pub extern "C" fn simdop_description_build_robot(
 }
 
 /// Decides which pairs of a robot's bodies the queries of a scene test: those that joints move relative to each other,
-/// and that the text of an SRDF file does not disable. `ids` lists the `count` bodies of the robot in its order.
-/// `srdf`, of `srdf_count` bytes, may be NULL: then nothing is disabled.
+/// unless the text of an SRDF file disables them. `ids` lists the `count` bodies of the robot in its order. `srdf`, of
+/// `srdf_count` bytes, may be NULL: then nothing is disabled.
 ///
 /// # Safety
 /// The array and the text have the stated lengths.

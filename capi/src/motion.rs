@@ -19,9 +19,10 @@ pub struct simdop_motion {
     /// then checked. A pose left unwritten is SIMDOP_ERROR_POSE_NOT_FINITE. Returns 0; any other value stops the query
     /// with SIMDOP_ERROR_MOTION_STOPPED, for instance after a timeout.
     pub go_to: Option<unsafe extern "C" fn(user: *mut c_void, time: f64, poses: *mut simdop_pose) -> c_int>,
-    /// Returns an upper bound on how far any point of a ball rigidly attached to the body gets from its position at the
-    /// time of the last `go_to`, at any time that differs from it by at most `span`, within 0 to 1. `centre` has three
-    /// numbers: the centre of the ball in the world at the time of the last `go_to`.
+    /// Returns an upper bound on how far any point of a ball that is rigidly attached to the body gets from its
+    /// position at the time of the last `go_to`. The bound holds for all times from 0 to 1 that differ from that time
+    /// by at most `span`. `centre` has three numbers: the centre of the ball in the world at the time of the last
+    /// `go_to`.
     ///
     /// The verdict relies on this bound: one that is too small makes verdicts wrong. It must include the rounding of
     /// the poses that `go_to` writes. A loose bound costs only time. NaN, negative numbers and numbers beyond 2^300
@@ -35,9 +36,9 @@ pub struct simdop_motion {
             span: f64,
         ) -> f64,
     >,
-    /// The same for two balls attached to two moving bodies, relative to each other: an upper bound on how much nearer
-    /// any two points of theirs come than they are at the time of the last `go_to`. May be NULL: then the sum of both
-    /// `path` bounds is used. The bound never needs to exceed that sum, and is smaller where both bodies share a
+    /// The same for two balls attached to two moving bodies, relative to each other: an upper bound on how much any two
+    /// of their points approach each other, compared with the time of the last `go_to`. May be NULL: then the sum of
+    /// both `path` bounds is used. The bound never needs to exceed that sum, and is smaller where both bodies share a
     /// motion, as the links of an arm do.
     pub motion_bound_between: Option<
         unsafe extern "C" fn(
@@ -91,7 +92,7 @@ impl<'m> Called<'m> {
     }
 }
 
-/// A bound returned by a callback. Invalid values become infinite.
+/// A bound returned by a callback; infinite if it is invalid.
 fn bound(path: f64) -> f64 {
     if path >= 0.0 { path } else { f64::INFINITY }
 }
@@ -110,7 +111,7 @@ impl Motion for Called<'_> {
         };
         if stopped != 0 {
             let message = format!("go_to returned {stopped} at the time {time}");
-            // The library only passes on that there is no pose; the stored failure has the cause.
+            // The library reports only that the pose is invalid; the stored failure holds the cause.
             return self.fail(Failure::new(simdop_error::MotionStopped, message), PoseError::NotFinite);
         }
         for (i, pose) in poses.iter_mut().enumerate() {

@@ -9,8 +9,8 @@ use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// Called as a packing grows: `placed` of `asked` spheres cover `share` of the volume. Returns 0 to go on; anything
-/// else ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
+/// Called as a packing grows: `placed` of `asked` spheres fill `share` of the volume. Returns 0 to go on; anything else
+/// ends the packing with SIMDOP_ERROR_PACK_STOPPED. It must return, without an exception or a longjmp().
 pub type simdop_on_filling =
     Option<unsafe extern "C" fn(user: *mut c_void, placed: usize, asked: usize, share: f64) -> c_int>;
 
@@ -22,7 +22,7 @@ pub struct simdop_packing {
     pub count: usize,
     /// The volume that the mesh encloses, in its unit cubed.
     pub volume: f64,
-    /// The fraction of it that the spheres cover.
+    /// The fraction of it that the spheres fill.
     pub share: f64,
 }
 
@@ -35,7 +35,7 @@ fn write(spheres: &[Sphere], places: &mut [MaybeUninit<[f64; 4]>]) {
 
 /// Fills a closed mesh with at most `room` disjoint spheres, roughly the largest first. `spheres` has room for x, y, z
 /// and the radius of each, as simdop_body_build_spheres() takes them. The mesh is given as in
-/// simdop_body_build_surface(). There are fewer spheres if no other fits. `on_filling` may be NULL. The call allocates,
+/// simdop_body_build_surface(). Writes fewer spheres if no other fits. `on_filling` may be NULL. The call allocates,
 /// and takes seconds for thousands of spheres.
 ///
 /// # Safety
@@ -71,12 +71,12 @@ pub unsafe extern "C" fn simdop_pack(
     })
 }
 
-/// Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If
-/// `is_solid` is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres is free
-/// of others, so is the mesh. The mesh is given as in simdop_body_build_surface().
+/// Covers a mesh with spheres: they contain every point of it, and no point farther than `error` from it. If `is_solid`
+/// is not zero, they cover the inside, too, and the mesh must be closed. If a body of these spheres does not meet
+/// another body, neither does the mesh. The mesh is given as in simdop_body_build_surface().
 ///
-/// Writes to `count` how many spheres there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER:
-/// `spheres` has room for x, y, z and the radius of each. The call allocates.
+/// Writes the number of spheres to `count`, even if it exceeds `room`, which is SIMDOP_ERROR_BUFFER. `spheres` has room
+/// for x, y, z and the radius of `room` spheres. The call allocates.
 ///
 /// # Safety
 /// The arrays have these lengths.

@@ -25,8 +25,8 @@ pub struct simdop_pairs {
 }
 
 /// Calls `on_pair` with `user` once for each pair of primitives that meet. A body that is inside a solid and meets none
-/// of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, of pairs that
-/// touch within the rounding of the inverse pose, some may be missing or not meet.
+/// of its triangles has no pair. Otherwise like simdop_collide(). If `a` has a tree and `b` is one shape, pairs that
+/// touch up to the rounding of the inverse pose may be missing, or be reported although they do not meet.
 ///
 /// # Safety
 /// `user`, which may be NULL, is what `on_pair` expects.
@@ -56,12 +56,12 @@ pub unsafe extern "C" fn simdop_each_pair(
     })
 }
 
-/// What two bodies of spheres have in common.
+/// The common volume of two bodies of spheres.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_penetration_answer {
-    /// Unless complete, pairs are missing: `volume` is a lower bound, and direction and point are those of the pairs
-    /// found.
+    /// Unless complete, pairs are missing: `volume` is a lower bound, and direction and point are computed from the
+    /// pairs found.
     pub completion: simdop_completion,
     /// The volume that the two spheres of a pair share, summed over all pairs, in the bodies' unit cubed. Where the
     /// spheres of one body overlap each other, volume that is covered twice counts twice.
@@ -73,7 +73,7 @@ pub struct simdop_penetration_answer {
     /// The direction in which A is pushed, in B's frame: the mean, weighted by volume, of the unit vectors from B's
     /// spheres to A's. Its length is at most 1.
     pub direction: [f64; 3],
-    /// The mean place of the common volume in B's frame. NaN if there is none.
+    /// The centroid of the common volume in B's frame. NaN if there is none.
     pub point: [f64; 3],
     /// Number of pairs of spheres that meet.
     pub pairs: u64,
@@ -96,7 +96,7 @@ impl From<Penetration> for simdop_penetration_answer {
     }
 }
 
-/// Which volume do two bodies of spheres share? For packings, the bodies that they fill share at least as much: see
+/// What volume do two bodies of spheres share? If they are packings, the packed bodies share at least as much: see
 /// simdop_pack(). Bodies of other primitives are SIMDOP_ERROR_NOT_SPHERES. With a budget, the pairs that may share the
 /// most are visited first. Otherwise like simdop_collide().
 #[unsafe(no_mangle)]

@@ -7,7 +7,7 @@ use simdop::pose::{Pose, PoseError};
 use std::mem::MaybeUninit;
 
 /// A rigid motion x -> R x + t: the three rows of [R|t]. Fill it in, or use simdop_pose_from_quaternion(). Every
-/// function that takes one checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
+/// function that takes a pose checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
 /// 1.5e-5, and R must not be a reflection.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]

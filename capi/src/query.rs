@@ -11,24 +11,24 @@ use simdop::query::{Answer, Completion, Distance, Hint, Pair, Query, QueryStats,
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
-/// No limit on visits: then no answer is unknown.
+/// No limit on visits: no verdict is then unknown.
 pub const SIMDOP_NO_BUDGET: u64 = u64::MAX;
 
 /// No hint: see simdop_hint.
 pub const SIMDOP_NO_HINT: simdop_hint = u64::MAX;
 
-/// Index that stands for no primitive.
+/// The index that stands for no primitive.
 pub const SIMDOP_NO_PRIMITIVE: u32 = u32::MAX;
 
-/// Whether bodies meet, or come within the margin. Touching counts.
+/// Whether bodies meet, or come within the margin. Touching counts as meeting.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_verdict {
-    /// They do not. Certain.
+    /// They do not meet, or come within the margin. Certain.
     Free = 0,
-    /// They do.
+    /// They meet, or come within the margin.
     Hit = 1,
-    /// The budget was exhausted first: they may.
+    /// The budget was exhausted before the verdict was certain: they may meet.
     Unknown = 2,
 }
 
@@ -36,9 +36,9 @@ pub enum simdop_verdict {
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_completion {
-    /// It ran to the end.
+    /// The query ran to the end.
     Complete = 0,
-    /// The callback stopped it.
+    /// The callback stopped the query.
     Stopped = 1,
     /// The budget was exhausted.
     OutOfBudget = 2,
@@ -217,7 +217,7 @@ macro_rules! with_both {
 
 pub(crate) use with_both;
 
-/// Two bodies that go together.
+/// Two bodies of one storage.
 #[derive(Copy, Clone)]
 pub(crate) enum Both<'a> {
     Fixed(View<'a, Fixed>, View<'a, Fixed>),
@@ -252,12 +252,12 @@ impl<'a> Both<'a> {
 }
 
 /// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact; for some pairs of
-/// shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies have the same storage,
+/// shapes, only free is certain: see simdop_shape. Stops after `budget` visits. Both bodies must have the same storage,
 /// unless one of them is one shape.
 ///
-/// If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
-/// about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
-/// pose must be as close to a rotation as in a scene. So pass the shape as `a`.
+/// If `a` has a tree and `b` is one shape, the inverse pose moves the shape. Then bodies nearer than the rounding of
+/// the inverse pose, about 1e-14 of the coordinates, count as meeting; the bounds of an unknown verdict are 0 and
+/// infinite; and the pose must be as close to a rotation as in a scene. So pass the shape as `a`.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide(
     a: Option<&simdop_body>,
@@ -290,8 +290,8 @@ pub extern "C" fn simdop_within(
 }
 
 /// How far apart are the bodies? `tolerance`, finite and not negative, limits the gap between the bounds relative to
-/// the distance; 0 makes it as small as rounding allows. Otherwise like simdop_collide(). Faster if `b` is the larger
-/// body.
+/// the distance; 0 makes it as small as rounding allows. Otherwise like simdop_collide(). The query is faster if `b` is
+/// the larger body.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_distance(
     a: Option<&simdop_body>,
@@ -305,7 +305,7 @@ pub extern "C" fn simdop_distance(
 }
 
 /// Like simdop_distance(), but only up to `cutoff`, not negative, which may be infinite: bodies that are farther apart
-/// have the lower bound `cutoff` and an infinite upper bound. Much faster for the nearest of many bodies.
+/// have the lower bound `cutoff` and an infinite upper bound. Much faster for finding the nearest of many bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_distance_up_to(
     a: Option<&simdop_body>,
@@ -322,8 +322,8 @@ pub extern "C" fn simdop_distance_up_to(
     })
 }
 
-/// Like simdop_collide(), at each of `count` poses. `budget` is that of each pose, and `answers` has room for an answer
-/// of each. Without a budget and where touching bodies move little between the poses, a hint is faster: see
+/// Like simdop_collide(), at each of `count` poses. `budget` applies to each pose, and `answers` has room for an answer
+/// for each. Without a budget, if touching bodies move little between the poses, a hint is faster: see
 /// simdop_collide_with_hint().
 ///
 /// # Safety
@@ -352,12 +352,12 @@ pub unsafe extern "C" fn simdop_collide_at_poses(
     })
 }
 
-/// What a query found, for the next query of the same bodies at a nearby pose to test first: 6 to 9 times faster in
-/// contact. Starts as SIMDOP_NO_HINT. A hint never changes a verdict, wherever it comes from: it changes which pair an
-/// answer names, and the statistics.
+/// The primitives that a query found. The next query of the same bodies at a nearby pose tests them first, which is 6
+/// to 9 times faster in contact. Starts as SIMDOP_NO_HINT. A hint never changes a verdict, whatever its value; it may
+/// change the reported pair and the statistics.
 pub type simdop_hint = u64;
 
-/// Like simdop_collide(), with a hint, which is replaced by that for the next query.
+/// Like simdop_collide(), with a hint, which the call replaces by the hint for the next query.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide_with_hint(
     a: Option<&simdop_body>,
@@ -375,7 +375,7 @@ pub extern "C" fn simdop_collide_with_hint(
     })
 }
 
-/// Like simdop_within(), with a hint, which is replaced by that for the next query.
+/// Like simdop_within(), with a hint, which the call replaces by the hint for the next query.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_within_with_hint(
     a: Option<&simdop_body>,
@@ -395,7 +395,7 @@ pub extern "C" fn simdop_within_with_hint(
     })
 }
 
-/// Like simdop_distance_up_to(), with a hint, which is replaced by that for the next query.
+/// Like simdop_distance_up_to(), with a hint, which the call replaces by the hint for the next query.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_distance_with_hint(
     a: Option<&simdop_body>,

@@ -21,11 +21,11 @@ pub struct simdop_range_stats {
     pub neighbours: u64,
 }
 
-/// Where the neighbours of one query are in the buffer of indices.
+/// The position of one query's neighbours in the buffer of indices.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_list {
-    /// The first.
+    /// Index of the first.
     pub start: u32,
     /// Their number.
     pub count: u32,
@@ -41,7 +41,7 @@ pub struct simdop_neighbour {
     pub square: f32,
 }
 
-// C's arrays of these are passed on as arrays of the library's types.
+// Arrays of these C types are passed on as arrays of the library's types.
 const _: () = {
     assert!(size_of::<simdop_list>() == size_of::<List>() && align_of::<simdop_list>() == align_of::<List>());
     assert!(offset_of!(simdop_list, start) == offset_of!(List, start));
@@ -129,8 +129,8 @@ pub unsafe extern "C" fn simdop_cloud_each_within(
     })
 }
 
-/// Finds the `k` points nearest to each of `count` points, which have x, y, z each. `neighbours` has room for `k` for
-/// each: the nearest first, and of equally near ones that with the lowest index.
+/// Finds the `k` nearest points of each of `count` query points, given as x, y, z. `neighbours` has room for `k` for
+/// each, sorted by distance and then by index.
 ///
 /// # Safety
 /// The arrays have these lengths.
@@ -163,9 +163,9 @@ pub unsafe extern "C" fn simdop_cloud_nearest(
     })
 }
 
-/// Counts the points within a radius of each point of the cloud, which is its own neighbour. `radii` has a radius for
-/// each index below the capacity, or one for all; `counts` has room for `count` numbers, at least the capacity. The
-/// numbers of indices without a point are 0.
+/// Counts the points within a radius of each point of the cloud, the point itself included. `radii` has a radius for
+/// each index below the capacity, or one for all; `counts` has room for `count` numbers, at least the capacity. Unused
+/// indices have the count 0.
 ///
 /// # Safety
 /// The arrays have these lengths.
@@ -198,14 +198,14 @@ pub struct simdop_neighbour_lists {
     pub list_count: usize,
     /// The neighbours of query i are `indices[lists[i].start]` and the following `lists[i].count - 1`.
     pub indices: *mut u32,
-    /// Number of indices that there is room for. If it is not enough, the error is SIMDOP_ERROR_BUFFER, `needed` says
-    /// how many are, and the counts of the lists are correct.
+    /// Number of indices that fit. If it is too small, the error is SIMDOP_ERROR_BUFFER, `needed` holds the number
+    /// needed, and the counts of the lists are correct.
     pub room: usize,
     /// Written on success and on SIMDOP_ERROR_BUFFER: the number of neighbours of all queries.
     pub needed: u64,
 }
 
-/// Fills lists, and writes how many indices are needed.
+/// Fills the lists, and writes `needed`.
 ///
 /// # Safety
 /// The buffers have the stated lengths.
@@ -230,7 +230,7 @@ unsafe fn fill(
 }
 
 /// Finds the points within a radius of each point of the cloud: a query for each index below the capacity. `radii` has
-/// a radius for each index, or one for all. The lists of indices without a point are empty.
+/// a radius for each index, or one for all. Unused indices have empty lists.
 ///
 /// # Safety
 /// The arrays have these lengths, and those of `into` the stated ones.
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn simdop_cloud_neighbours(
     })
 }
 
-/// Finds the points of the cloud within a radius of each of `count` points, which have x, y, z each. `radii` has a
-/// radius for each, or one for all. `memory`, of 8 bytes for each point, is overwritten.
+/// Finds the points of the cloud within a radius of each of `count` query points, given as x, y, z. `radii` has a
+/// radius for each, or one for all. `memory` has 8 bytes for each query point, which are overwritten.
 ///
 /// # Safety
 /// The arrays have these lengths, and those of `into` the stated ones.

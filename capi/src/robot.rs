@@ -3,7 +3,7 @@
 use crate::boundary::{checked, given, guarded, items, make, places};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
-use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError};
+use simdop::motion::{Base, Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError};
 use simdop::pose::Pose;
 use std::mem::MaybeUninit;
 
@@ -17,14 +17,14 @@ pub enum simdop_joint_kind {
     Prismatic = 1,
 }
 
-/// A joint, and the link that it moves: joint i moves link i + 1, and link 0 is the base. A fixed joint is not listed:
-/// what it carries belongs to the link before it.
+/// A joint, and the link that it moves: joint i moves link i + 1, and link 0 is the base. Fixed joints are not listed:
+/// what they carry belongs to the link that they are on.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_joint {
     /// One of simdop_joint_kind.
     pub kind: u32,
-    /// The link that carries the joint: at most i for joint i.
+    /// The index of the link that carries the joint: at most i for joint i.
     pub parent: u32,
     /// The index of the variable that moves it. For a joint that mimics another, the variable of the other.
     pub variable: u32,
@@ -32,9 +32,9 @@ pub struct simdop_joint {
     pub origin: simdop_pose,
     /// The axis in the joint's frame, of any length.
     pub axis: [f64; 3],
-    /// The joint's value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
+    /// The joint's value is `multiplier` times its variable, plus `offset`. 1, unless the joint mimics another.
     pub multiplier: f64,
-    /// In radians, or in the unit of length. 0, unless it mimics another.
+    /// Offset, in radians or in the unit of length. 0, unless the joint mimics another.
     pub offset: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct simdop_link_body {
 }
 
 /// A robot: joints, the limits of the variables that move them, and the poses of bodies on the links. Each query names
-/// the bodies of the scene that these are.
+/// the scene's bodies that correspond to them.
 #[derive(Debug)]
 pub struct simdop_robot {
     parts: Parts,
@@ -60,14 +60,14 @@ pub struct simdop_robot {
 
 #[derive(Debug)]
 struct Parts {
-    base: Pose,
+    base: Base,
     joints: Vec<Joint>,
     bodies: Vec<LinkBody>,
     limits: Vec<[f64; 2]>,
 }
 
 impl Parts {
-    /// Validates everything on each call, at a comparison or two for each joint, body and variable.
+    /// Each call validates everything, which takes a comparison or two for each joint, body and variable.
     fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
         Ok(Kinematics::new(&self.joints, &self.bodies, &self.limits)?.with_base(self.base))
     }
@@ -88,7 +88,7 @@ impl simdop_robot {
         bodies: Vec<LinkBody>,
         limits: Vec<[f64; 2]>,
     ) -> Result<Self, MotionError> {
-        Self::new(Parts { base, joints, bodies, limits })
+        Self::new(Parts { base: base.into(), joints, bodies, limits })
     }
 
     pub(crate) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
@@ -118,9 +118,9 @@ impl simdop_link_body {
     }
 }
 
-/// Creates a robot. `base` is the pose of its base in the world; each of the `joint_count` joints comes after those
-/// between it and the base; `body_count` bodies are on the links; `limits` holds the lower and the upper limit of each
-/// of `variable_count` variables, all finite. Everything is copied.
+/// Creates a robot. `base` is the pose of its base in the world; the `joint_count` joints are in an order in which each
+/// comes after those between it and the base; `body_count` bodies are on the links; `limits` holds the lower and the
+/// upper limit of each of `variable_count` variables, all finite. Everything is copied.
 ///
 /// # Safety
 /// The arrays have the stated lengths.
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn simdop_robot_new(
     robot: Option<&mut MaybeUninit<Option<Box<simdop_robot>>>>,
 ) -> simdop_error {
     make(robot, "robot", || {
-        let base = given(base, "base")?.checked()?;
+        let base = given(base, "base")?.checked()?.into();
         // SAFETY: the caller guarantees the length.
         let joints = unsafe { items(joints, joint_count, "joints") }?;
         // SAFETY: as above.
@@ -153,7 +153,7 @@ pub unsafe extern "C" fn simdop_robot_new(
 }
 
 /// Forward kinematics: the poses of a robot's bodies in the world. `values` has a number for each variable, within its
-/// limits; `poses` has room for a pose of each body. The robot is not const: the call writes to memory in it.
+/// limits; `poses` has room for a pose for each body. The robot is not const, since the call writes to memory in it.
 ///
 /// # Safety
 /// The arrays have these lengths.

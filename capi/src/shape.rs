@@ -4,13 +4,13 @@ use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::primitive::Shape;
 
-/// The kind of a shape, and the numbers that it has. Shapes are closed solids.
+/// The kind of a shape, and its numbers. Shapes are closed solids.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_shape_kind {
     /// A ball about the origin: its radius.
     Sphere = 0,
-    /// A capsule about the origin, along z: its radius, and the distance of the centres of its two hemispheres.
+    /// A capsule about the origin, along z: its radius, and the distance between the centres of its two hemispheres.
     Capsule = 1,
     /// A cuboid about the origin: its side lengths along x, y and z.
     Cuboid = 2,
@@ -33,8 +33,8 @@ pub enum simdop_shape_kind {
 pub struct simdop_shape {
     /// One of simdop_shape_kind.
     pub kind: u32,
-    /// The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. Those of
-    /// a half-space are 0, or have such a magnitude.
+    /// The numbers of the kind, in the order given there; the others are ignored. Lengths are 2^-250 to 2^300. The
+    /// numbers of a half-space are 0, or have such a magnitude.
     pub numbers: [f64; 4],
     /// The radius around the shape: 0, or a length.
     pub radius: f64,

@@ -1,7 +1,7 @@
 //! The version of the interface.
 
 /// The version of this header: a million times the major number, plus a thousand times the minor number, plus the patch
-/// number. Before version 1, every minor number is another interface; from then on, every major number.
+/// number. Before version 1, every minor number changes the interface; from then on, every major number.
 pub const SIMDOP_VERSION: u32 = 1000;
 
 /// The version of the library: compare it with SIMDOP_VERSION, that of the header.

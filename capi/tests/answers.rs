@@ -102,7 +102,7 @@ fn pairs(
     (found.0, came_to.unwrap())
 }
 
-/// Asks twice with hints, the second time with what the first one found.
+/// Queries twice with hints, the second time with the hint of the first answer.
 fn compare_with_hints<S: Storage, A: AsBvh<Node = Node16<18, S>>, B: AsBvh<Node = Node16<18, S>>>(
     (a, b): (&Twice<A>, &Twice<B>),
     (c_pose, pose): (&simdop_pose, &Pose),

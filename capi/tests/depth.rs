@@ -75,7 +75,7 @@ fn answers_are_the_librarys() {
     }
 }
 
-/// Two balls, or a ball and spheres of its size, and the way out of a half-space, by closed forms.
+/// Two balls, a ball and spheres of its size, and depths in a half-space, against closed forms.
 #[test]
 fn bodies_of_every_kind_have_depths() {
     let radius = support::BALL.numbers[0];

@@ -47,10 +47,15 @@ fn a_description_is_the_librarys_robot() {
     for i in 0..size.variables {
         let found = answer(|to| simdop_description_get_variable(Some(&description), i, to)).unwrap();
         assert_eq!(
-            (text(found.name), [found.lower, found.upper]),
-            (robot.variables[i].clone(), robot.limits[i])
+            (text(found.name), [found.lower, found.upper], found.is_continuous),
+            (robot.variables[i].clone(), robot.limits[i], 0)
         );
     }
+    let turning = URDF.replacen(r#"name="elbow" type="revolute""#, r#"name="elbow" type="continuous""#, 1);
+    let turning = read(turning.as_bytes(), 0).unwrap();
+    let is_continuous =
+        [0, 1, 2, 3].map(|i| answer(|to| simdop_description_get_variable(Some(&turning), i, to)).unwrap());
+    assert_eq!(is_continuous.map(|variable| variable.is_continuous), [0, 0, 1, 0]);
     for i in 0..size.bodies {
         let found = answer(|to| simdop_description_get_body(Some(&description), i, to)).unwrap();
         assert_eq!((text(found.link_name), found.link), (robot.names[i].clone(), robot.bodies[i].link));

@@ -1,4 +1,4 @@
-//! Every code can be caused, and has a text; nothing crashes at NULL. `motion.rs` has the NULL tests of motions,
+//! Every error code can occur, and has a text; NULL crashes nothing. `motion.rs` has the NULL tests of motions,
 //! `robot.rs` those of robots.
 
 mod support;
@@ -254,7 +254,7 @@ fn of_queries() -> Vec<simdop_error> {
             let distance = answer(|answer| simdop_distance(a, b, pose, wrong, no_budget, answer));
             assert_eq!([within.unwrap_err(), distance.unwrap_err()], [simdop_error::Tolerance; 2]);
         }
-        // The inverse of the pose is needed for a tree against a shape only.
+        // Only a tree against a shape needs the inverse of the pose.
         let skewed = answer(|answer| simdop_collide(a, b, Some(&SKEWED), SIMDOP_NO_BUDGET, answer));
         let is_inverted = std::ptr::eq(a.unwrap(), body.unwrap());
         assert_eq!(skewed.err(), is_inverted.then_some(simdop_error::PoseNotOrthonormal));
@@ -305,7 +305,7 @@ fn of_scenes() -> Vec<simdop_error> {
 }
 
 /// All errors of clouds and searches.
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn of_clouds() -> Vec<simdop_error> {
     let points: Vec<[f32; 3]> = (0..16_u8).map(|i| [f32::from(i), 0.0, 0.0]).collect();
     let (first, nan) = (points.as_ptr().cast::<f32>(), [f32::NAN, 0.0, 0.0]);
@@ -384,8 +384,8 @@ fn clouds_have_the_codes_of_their_faults() {
     assert_eq!(of_clouds(), expected);
 }
 
-/// Functions about clouds, many configurations, pairs and spheres, with NULL for each pointer in turn.
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+/// Functions for clouds, many configurations, pairs and spheres, with NULL for each pointer in turn.
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn of_null_buffers() -> Vec<simdop_error> {
     unsafe extern "C" fn on_point(_: *mut c_void, _: u32) -> c_int {
         0
@@ -473,8 +473,8 @@ fn of_null_buffers() -> Vec<simdop_error> {
     errors
 }
 
-/// Functions of scenes and bodies that were added, with NULL for each pointer in turn.
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+/// Further functions of scenes and bodies, with NULL for each pointer in turn.
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn of_null_states() -> Vec<simdop_error> {
     let (id, budget, at, mut errors) = (0, SIMDOP_NO_BUDGET, Some(&IDENTITY), Vec::new());
     let (here, plain, mut byte, value, mut room) = (IDENTITY, simdop_role_default(), 0, 0.5, 0.5);
@@ -665,7 +665,7 @@ fn of_robots(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> 
 }
 
 /// Functions with an array or callback that is NULL, or with NULL for the result.
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
     unsafe extern "C" fn go_on(_: *mut c_void, _: *const simdop_scene_hit) -> c_int {
         0

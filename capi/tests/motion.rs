@@ -68,7 +68,7 @@ fn motion(slide: &Slide) -> simdop_motion {
     simdop_motion { user, go_to: Some(go_to), path: Some(path), motion_bound_between: None }
 }
 
-/// A scene with one body three times: two that move, and one that stands at the middle of their way, `above` it.
+/// A scene with one body three times: two that move, and one that stands halfway along their path, `above` it.
 struct Hall {
     scene: Box<simdop_scene>,
     moving: [simdop_body_id; 2],
@@ -148,7 +148,7 @@ fn what_is_no_bound_is_never_free() {
                 assert_eq!(verdict, simdop_motion_verdict::Unresolved, "{path}");
             }
         }
-        // Bodies that move as one are certified by `motion_bound_between` alone: -0 is a valid bound, too.
+        // Only `motion_bound_between` certifies bodies that move as one: -0 is a valid bound, too.
         let two = Slide { path: -0.0, bodies: 2, ..SLIDE };
         let between = simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&two) };
         assert_eq!(apart.edge(&two, &between).unwrap().verdict, simdop_motion_verdict::Free);
@@ -220,7 +220,7 @@ fn bodies_that_cannot_move_are_refused() {
 }
 
 #[test]
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn null_is_an_error_wherever_it_is_given() {
     let mut hall = Hall::new(cube(), 1.2);
     let (id, still, budget) = (hall.moving[0], motion(&SLIDE), SIMDOP_NO_BUDGET);

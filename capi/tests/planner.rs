@@ -373,6 +373,7 @@ fn settings_are_the_librarys() {
     for (i, (name, [lower, upper])) in rust.variable_names().zip(rust.limits()).enumerate() {
         let found = answer(|variable| simdop_planner_get_variable(Some(&c), i, variable)).unwrap();
         assert_eq!((&*text(found.name), found.lower, found.upper), (name, *lower, *upper));
+        assert_eq!(found.is_continuous != 0, rust.is_continuous(i));
     }
     let beyond = answer(|variable| simdop_planner_get_variable(Some(&c), rust.variables(), variable));
     assert_eq!(beyond.unwrap_err(), simdop_error::DescriptionIndex);

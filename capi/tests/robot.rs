@@ -137,7 +137,7 @@ fn without_joints_bodies_stand_on_the_base() {
 }
 
 #[test]
-#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "one comment covers all of them")]
 fn null_is_an_error_wherever_it_is_given() {
     let Hall { mut scene, ids, mut robot } = Hall::new();
     let (parts, value, budget) = (hinge(), 0.0, SIMDOP_NO_BUDGET);

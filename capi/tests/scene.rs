@@ -81,9 +81,11 @@ fn compare<S: Storage>(
         let points = expected.witness.map(|witness| [witness.a, witness.b]);
         assert!(points.is_none_or(|points| points == [near.point_a, near.point_b]));
         assert_eq!((near.pairs, near.stats.visits), (expected.pairs, expected.stats.visits));
+        // A depth without a budget takes long where nothing is optimised.
+        let budget = budget.min(200);
         let near =
             answer(|near| simdop_scene_signed_clearance(Some(c), tolerance, cutoff, budget, near)).unwrap();
-        let expected = rust.signed_clearance(&query, tolerance, cutoff).unwrap();
+        let expected = rust.signed_clearance(&query.with_budget(budget), tolerance, cutoff).unwrap();
         assert_eq!([near.lower, near.upper], [expected.lower, expected.upper]);
         assert_hits(&near.hit, expected.witness.map(|witness| witness.hit));
         let points = expected.witness.map(|witness| [witness.a, witness.b, witness.normal]);
@@ -247,4 +249,73 @@ fn the_default_role_is_asked_against_all() {
     let role = simdop_role_default();
     assert_eq!((role.radius, role.is_fixed), (0.0, 0));
     assert_eq!(Groups { of: role.groups, against: role.against }, Groups::ALL);
+}
+
+/// The code of a world pose, by loops over its entries.
+fn code_of(world: &simdop_pose) -> simdop_error {
+    let rows = &world.rows;
+    let product =
+        |i: usize, j: usize| (rows[i][0] * rows[j][0] + rows[i][1] * rows[j][1]) + rows[i][2] * rows[j][2];
+    let is_rotation = |tolerance: f64| {
+        (0..9).all(|at| {
+            let (i, j) = (at / 3, at % 3);
+            (product(i, j) - if i == j { 1.0 } else { 0.0 }).abs() <= tolerance
+        })
+    };
+    let is_near = |most: f64| rows.iter().all(|row| row[3].abs() <= most);
+    let minor = |j: usize, k: usize| rows[1][j] * rows[2][k] - rows[1][k] * rows[2][j];
+    let determinant = rows[0][0] * minor(1, 2) + rows[0][1] * minor(2, 0) + rows[0][2] * minor(0, 1);
+    if !rows.iter().flatten().all(|x| x.is_finite()) {
+        simdop_error::PoseNotFinite
+    } else if !is_near(2_f64.powi(300)) {
+        simdop_error::PoseTooFar
+    } else if !is_rotation(1e-4) {
+        simdop_error::PoseNotOrthonormal
+    } else if determinant < 0.0 {
+        simdop_error::PoseMirrored
+    } else if !is_rotation(1.5e-5) {
+        simdop_error::PoseNotOrthonormal
+    } else if !is_near(2_f64.powi(298)) {
+        simdop_error::PoseTooFar
+    } else {
+        simdop_error::None
+    }
+}
+
+#[test]
+fn poses_are_accepted_one_by_one_as_by_all() {
+    let body: &'static simdop_body = Box::leak(shape(&BALL).unwrap());
+    let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+    let ids = [0, 1].map(|_| insert(&mut scene, body, 0.0).unwrap());
+    let (mut rng, mut seen) = (Rng::new(45), std::collections::BTreeMap::new());
+    let entries = [f64::NAN, f64::INFINITY, -f64::INFINITY, 0.0, -0.0, 1.0, -1.0, 1e200, 1e-320];
+    let scales = [0.0, 1e-16, 7e-6, 7.5e-6, 8e-6, 1e-5, 4.9e-5, 5e-5, 5.1e-5, 1e-4, 0.3];
+    let translations = [300, 298, 297].map(|power| 2_f64.powi(power));
+    for _ in 0..20_000 {
+        let (good, (mut world, _)) = (pose(&mut rng).0, pose(&mut rng));
+        let scale = *rng.pick(&scales);
+        match rng.below(8) {
+            0 => world.rows[rng.below(3) as usize][rng.below(4) as usize] = *rng.pick(&entries),
+            1 => world.rows[rng.below(3) as usize][3] = *rng.pick(&translations) * rng.range(0.9, 1.1),
+            2 => world.rows[rng.below(3) as usize][3] = *rng.pick(&translations),
+            3 => {
+                let row = &mut world.rows[rng.below(3) as usize];
+                (row[0], row[1], row[2]) = (-row[0], -row[1], -row[2]);
+            }
+            4 => world.rows.iter_mut().for_each(|row| (0..3).for_each(|j| row[j] *= 1.0 + scale)),
+            _ => world.rows[rng.below(3) as usize][rng.below(3) as usize] += rng.range(-1.0, 1.0) * scale,
+        }
+        let expected = code_of(&world);
+        *seen.entry(expected as i32).or_insert(0) += 1;
+        let one = simdop_scene_place(Some(&mut scene), ids[1], Some(&world));
+        let worlds = [good, world];
+        // SAFETY: there are two of each.
+        let all = unsafe { simdop_scene_place_all(Some(&mut scene), ids.as_ptr(), worlds.as_ptr(), 2) };
+        assert_eq!([one, all], [expected; 2], "{world:?}");
+        let [first, second] =
+            ids.map(|id| answer(|to| simdop_scene_world_pose(Some(&scene), id, to)).unwrap());
+        assert_eq!(first, good);
+        assert!(expected != simdop_error::None || second == world);
+    }
+    assert!(seen.len() == 5 && seen.values().all(|&count| count > 500), "{seen:?}");
 }

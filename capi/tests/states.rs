@@ -173,7 +173,7 @@ fn pairs_have_the_librarys_classes_and_poses_are_the_librarys() {
                 simdop_scene_classify_pair(c, moving.as_ptr(), 3, robot, a, b, 200, meeting, free, report)
             });
             let report = report.unwrap();
-            let class = match expected.fate {
+            let class = match expected.class {
                 PairClass::Never => simdop_pair_class::Never,
                 PairClass::Always => simdop_pair_class::Always,
                 PairClass::Sometimes => simdop_pair_class::Sometimes,
@@ -181,6 +181,7 @@ fn pairs_have_the_librarys_classes_and_poses_are_the_librarys() {
             };
             classes[class as usize] += 1;
             assert_eq!((report.pair_class, report.boxes), (class, expected.boxes));
+            assert_eq!(report.samples, expected.samples);
             for (has, found, expected) in
                 [(report.has_meeting, meeting, expected.meeting), (report.has_free, free, expected.free)]
             {

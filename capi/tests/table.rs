@@ -30,7 +30,7 @@ fn name(path: &str) -> &str {
     path.rsplit("::").next().unwrap()
 }
 
-/// The C names, or the reason why there is none, of each Rust name.
+/// For each Rust name, its C names, or the reason why it has none.
 fn table(text: &str) -> BTreeMap<String, &str> {
     let mut table = BTreeMap::new();
     for row in rows(text, "| Rust | C |") {

@@ -7,7 +7,7 @@ use core::ops::ControlFlow;
 use core::time::Duration;
 use serde::Serialize;
 use simdop::construct::{Builder, ConvexHull, Mesh, Progress, SphereSet};
-use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
+use simdop::hierarchy::{AnyBvh, AnyBvhRef, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
 use simdop::mesh_io::{self, FileError, MeshData};
 use simdop::node::{Dop, Link, Node16};
@@ -36,12 +36,12 @@ pub(super) fn primitives_by_root_lane<N: Dop, P: Primitive>(
     found
 }
 
-/// The mesh that the tree was built from: its triangles in their order, and the vertices that they use.
+/// The mesh that the tree was built from: its triangles in their original order, and the vertices that they use.
 pub(super) fn mesh_of(tree: &AnyBvh) -> MeshData {
     with_bvh!(tree.view(), tree => {
         let mut soup = vec![[[0.0; 3]; 3]; tree.len()];
         for index in 0..tree.len() as u32 {
-            // The source is only a hint in an unverified tree: validation checks ranges, not that sources are a
+            // In an unverified tree, the source is only a hint: validation checks its range, but not that sources are a
             // permutation.
             if let Some(triangle) = soup.get_mut(tree.source(index) as usize) {
                 *triangle = tree.primitive(index);
@@ -71,7 +71,7 @@ impl Source {
         }
     }
 
-    /// The width of the holes that are capped, if it is the tree of a solid with caps.
+    /// The width of the capped holes, if it is the tree of a solid with caps.
     pub(super) fn cap_width(&self) -> Option<f64> {
         match self {
             Self::Tree(tree) => Some(tree.view().cap_stats().width).filter(|width| *width > 0.0),
@@ -79,7 +79,7 @@ impl Source {
         }
     }
 
-    /// Of a tree.
+    /// The node type of a tree.
     fn node_type(&self) -> Option<NodeType> {
         match self {
             Self::Tree(tree) => Some(tree.view().node_type()),
@@ -112,7 +112,7 @@ pub(super) struct BodyFile {
 }
 
 impl BodyFile {
-    /// As on the command line.
+    /// The name as on the command line.
     pub(super) fn name(&self) -> String {
         format!("{}{}", if self.is_hull { "hull:" } else { "" }, self.path.display())
     }
@@ -149,7 +149,7 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
     }
 }
 
-/// Reads a mesh for the points of it, or a cloud, which becomes a mesh without triangles.
+/// Reads the points of a mesh, or of a cloud, which becomes a mesh without triangles.
 fn corners(path: &Path, bytes: &[u8]) -> Result<MeshData, FileError> {
     let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if is("xyz") || is("ply") && mesh_io::read(path, bytes)?.triangles.is_empty() {
@@ -172,12 +172,12 @@ pub(super) fn cap(name: &str, mesh: &mut MeshData, width: f64) -> Result<CapStat
     Ok(caps.stats)
 }
 
-/// The holes of a body that are capped.
+/// The capped holes of a body.
 #[derive(Serialize, Copy, Clone, Debug)]
 pub(super) struct CapsReport {
     pub(super) holes: usize,
     pub(super) triangles: usize,
-    /// Of the widest hole.
+    /// Width of the widest hole.
     pub(super) width: f64,
 }
 
@@ -195,7 +195,7 @@ impl fmt::Display for CapsReport {
     }
 }
 
-/// A width to five digits, rounded up, so that it is a limit that holds.
+/// A width with five digits, rounded up, so that it is a sufficient limit.
 pub(super) fn rounded_up(width: f64) -> f64 {
     let step = 10_f64.powf(width.log10().floor() - 4.0);
     let digits = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
@@ -218,7 +218,7 @@ pub(super) fn build(
     let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, node.arity);
     let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
     let mut observer = |_: Progress| {
-        // A tree may be deeper than one with full nodes.
+        // A tree may be deeper than a tree with full nodes.
         bar.set_position((bar.position() + 1).min(levels));
         ControlFlow::Continue(())
     };
@@ -232,6 +232,11 @@ pub(super) fn build(
     };
     let tree = builder.build_any(&mesh, node, &mut observer).map_err(failed)?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
+}
+
+/// Number of spheres of the packing in a tree.
+pub(super) fn packed_spheres(tree: &AnyBvhRef<'_>) -> usize {
+    with_bvh!(tree, tree => tree.packing().map_or(0, |packing| packing.len()))
 }
 
 /// Builds the tree of spheres.
@@ -251,10 +256,11 @@ pub(super) fn node_type(options: &TreeOptions, given: Option<NodeType>) -> NodeT
     }
 }
 
-/// [`pair`] and the built-in scene guarantee this of two bodies.
+/// [`pair`] and the built-in scene guarantee this for two bodies.
 pub(super) const SAME: &str = "bodies of one node type";
 
-/// A file's contents, and the time it took to read it. If the hull of a tree is asked for, the mesh of the tree.
+/// A file's contents, and the time it took to read it. If the hull of a tree is requested, the contents are the tree's
+/// mesh.
 fn timed(file: &BodyFile, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
     let start = Instant::now();
     let source = read(&file.path, &file.options(options), quiet)?;
@@ -273,7 +279,7 @@ pub(super) fn solids(files: [&BodyFile; 2], options: &TreeOptions, quiet: bool) 
     pair_as(files, options, &solid, quiet)
 }
 
-/// [`pair`]: the options as given, and those to build meshes with.
+/// [`pair`], with the options as given, and those to build meshes with.
 fn pair_as(
     files: [&BodyFile; 2],
     given: &TreeOptions,

@@ -31,7 +31,7 @@ pub(super) struct Options {
     /// List every pair of triangles that meet, by their indices from 0, in the order in which they are found.
     #[arg(long)]
     all_pairs: bool,
-    /// Describe the patches in which two meshes touch: the direction in which A leaves B, how far it has to go in that
+    /// Describe the patches in which two meshes touch: the direction in which A leaves B, how far A must move in that
     /// direction, and up to four points that span the patch.
     #[arg(long)]
     contacts: bool,
@@ -88,7 +88,7 @@ fn scene_of(options: &Options) -> Result<(Bodies, Vec<Pose>), Error> {
     let (Some(a), Some(b)) = (&options.a, &options.b) else {
         return Ok((Bodies::built_in(&options.tree, options.json)?, demo::sweep()));
     };
-    // Read the poses first: an error in them shows before the trees are built.
+    // Read the poses first, so that an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let bodies = Bodies::read([a, b], &options.tree, options.json)?;
     let places = bodies.places(poses)?;
@@ -96,7 +96,7 @@ fn scene_of(options: &Options) -> Result<(Bodies, Vec<Pose>), Error> {
 }
 
 fn all<'a>(bodies: &'a Bodies, query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
-    // Fewer are done instantly.
+    // Fewer poses finish instantly.
     let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut reports = Vec::with_capacity(poses.len());
     for pose in poses {

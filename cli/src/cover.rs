@@ -17,15 +17,15 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A mesh, or a tree: then the mesh that it was built from. Without it: a built-in gear.
+    /// A mesh, or a tree, for the mesh that it was built from. Without it: a built-in gear.
     mesh: Option<File>,
     #[command(flatten)]
     limit: Limit,
-    /// Cover the inside of a closed mesh, too: what is wholly inside is a hit. Implied for a tree of a solid.
+    /// Cover the inside of a closed mesh, too: a body wholly inside is a hit. Implied for the tree of a solid.
     #[arg(long, conflicts_with = "points")]
     solid: bool,
-    /// Cover the inside, too, of a mesh whose holes are capped. None may be wider than this: the greatest distance of
-    /// two corners of a hole's border, in the mesh's unit.
+    /// Cap the holes of a mesh, and cover its inside, too. No hole may be wider than this: the greatest distance
+    /// between two corners of its border, in the mesh's unit.
     #[arg(long, value_name = "LENGTH", value_parser = crate::length, conflicts_with = "points")]
     cap: Option<f64>,
     /// Cover the points of a cloud (.ply, .xyz), and ignore its faces.
@@ -44,7 +44,7 @@ pub(super) struct Options {
 #[derive(Args, Copy, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct Limit {
-    /// Maximum distance of the spheres' points from the mesh, in its unit.
+    /// Maximum distance of any point of the spheres from the mesh, in its unit.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     error: Option<f64>,
     /// Find the smallest error, up to a tenth, that needs at most this many spheres.
@@ -64,7 +64,7 @@ pub(super) enum CoveredPart {
     Points,
 }
 
-/// What to cover.
+/// The input of a cover.
 pub(super) struct ToCover<'m> {
     pub(super) name: &'m str,
     pub(super) mesh: &'m MeshData,
@@ -75,14 +75,16 @@ pub(super) struct ToCover<'m> {
 struct Report {
     version: &'static str,
     mesh: String,
-    /// Or points.
+    /// Number of triangles, or of points.
     triangles: usize,
     caps: Option<CapsReport>,
     part: CoveredPart,
     error: f64,
     spheres: usize,
-    /// Of the tree.
+    /// Bytes of the tree of the spheres.
     bytes: usize,
+    /// Bytes of the tree of the triangles; none for points.
+    mesh_bytes: Option<usize>,
     cover_nanoseconds: u128,
 }
 
@@ -115,6 +117,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         covered.tree.as_bytes()
     };
     output::replace([(options.output.as_path(), contents)])?;
+    let mesh_bytes = if part == CoveredPart::Points { None } else { Some(bytes_of_triangles(&name, &mesh)?) };
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
@@ -124,6 +127,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         error: covered.error,
         spheres: covered.spheres.len(),
         bytes: covered.tree.as_bytes().len(),
+        mesh_bytes,
         cover_nanoseconds,
     };
     output::say(Some(&options.output), |out| print(&report, options.json, out))
@@ -158,6 +162,14 @@ pub(super) fn cover(subject: &ToCover<'_>, error: f64) -> Result<Covered, Error>
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
         .map_err(|error| Error::Build { name: (*name).into(), error })?;
     Ok(Covered { error, spheres, tree })
+}
+
+/// Bytes of the exact tree, which a cover should not exceed.
+fn bytes_of_triangles(name: &str, mesh: &MeshData) -> Result<usize, Error> {
+    let tree: Bvh<Node16<18>> = Builder::balanced()
+        .build_as(&mesh.as_mesh())
+        .map_err(|error| Error::Build { name: name.into(), error })?;
+    Ok(tree.as_bytes().len())
 }
 
 /// A cover within a limit.
@@ -196,7 +208,7 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     if json {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }
-    let Report { mesh, triangles, part, error, spheres, bytes, cover_nanoseconds, .. } = report;
+    let Report { mesh, triangles, part, error, spheres, bytes, mesh_bytes, cover_nanoseconds, .. } = report;
     let (what, from) = match part {
         CoveredPart::Surface => ("triangles", "them"),
         CoveredPart::Solid => ("triangles and what is inside", "the solid"),
@@ -208,5 +220,12 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
         "{mesh}: {triangles} {what}{caps} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} \
          bytes as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
-    )
+    )?;
+    if let Some(exact) = mesh_bytes.filter(|exact| exact < bytes) {
+        writeln!(
+            out,
+            "The tree of the triangles is exact and smaller, {exact} bytes: choose a larger error."
+        )?;
+    }
+    Ok(())
 }

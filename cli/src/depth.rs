@@ -16,13 +16,13 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The body that the poses move: a mesh, which is built as a solid, or a tree of a solid.
+    /// The body that the poses move: a mesh, which is built as a solid, or the tree of a solid.
     a: File,
     /// The body that stands still.
     b: File,
     #[command(flatten)]
     poses: poses::Options,
-    /// Packings of A and of B, as `simdop pack` makes them: the lower bound is found sooner.
+    /// Packings of A and of B, as `simdop pack` makes them, to find lower bounds sooner.
     #[arg(long, num_args = 2, value_names = ["A", "B"])]
     packings: Vec<File>,
     /// Stop after this many visits.
@@ -47,15 +47,15 @@ struct Report {
     a: String,
     b: String,
     isa: &'static str,
-    /// In the order of the file.
+    /// Rows, in the order of the file.
     poses: Vec<Row>,
 }
 
 #[derive(Serialize)]
 struct Row {
-    /// No shorter translation of A separates the two, in units of the bodies.
+    /// No shorter translation of A separates the two, in the bodies' unit.
     lower: f64,
-    /// The length of the translation. Null if the budget was spent before one was found.
+    /// The length of the translation. Null if the budget was spent before a translation was found.
     upper: Option<f64>,
     /// A is free after this translation, in B's frame.
     translation: [f64; 3],
@@ -67,7 +67,7 @@ struct Row {
 type SphereTree = Bvh<Node16<18>, Spheres>;
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    // Read the poses first: an error in them shows before the trees are built.
+    // Read the poses first, so that an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let [a, b] = [&options.a, &options.b].map(|path| BodyFile { path: path.clone(), is_hull: false });
     let [a, b] = body::solids([&a, &b], &options.tree, options.json)?;
@@ -101,7 +101,7 @@ fn row(
             query.depth(&a, &b, pose, Some(&Packings { a: of_a.view(), b: of_b.view() }))
         }
         (Some(_), a, _) => {
-            let problem = format!("of the default node type only, not with {}", a.node_type());
+            let problem = format!("packings need bodies of the default node type, not {}", a.node_type());
             return Err(Error::Option { option: "--packings", problem });
         }
     };

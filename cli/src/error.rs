@@ -57,7 +57,7 @@ impl Error {
         |fault| Self::Content { path, fault }
     }
 
-    /// A build option where there is nothing to build.
+    /// A build option that has no effect, since there is nothing to build.
     pub(crate) fn idle(option: &'static str, name: &impl fmt::Display) -> Self {
         Self::Option {
             option,
@@ -99,11 +99,11 @@ impl fmt::Display for Error {
             Self::Planning(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::NoSize { name } => {
-                write!(f, "{name}: all corners are one point: there is no distance to measure by")
+                write!(f, "{name}: all corners are one point: there is no size to measure distances by")
             }
             #[cfg(feature = "report")]
             Self::NoContact { a, b, lines } => {
-                write!(f, "{a} does not come to a contact with {b} along any of {lines} lines")
+                write!(f, "{a} does not touch {b} along any of {lines} lines")
             }
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherNode { name, has, asked } => {

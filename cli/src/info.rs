@@ -33,6 +33,8 @@ struct Report {
     degenerate_triangles: u32,
     solid: bool,
     caps: Option<CapsReport>,
+    /// Number of spheres of the packing in the tree.
+    spheres: usize,
     parts: u32,
     vertices: u32,
     vertex_format: &'static str,
@@ -87,6 +89,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         degenerate_triangles: header.degenerate_count,
         solid: header.is_solid != 0,
         caps: CapsReport::of(view.cap_stats()),
+        spheres: body::packed_spheres(&view),
         parts: stats.parts as u32,
         vertices: header.vertex_count,
         vertex_format: body::vertex_format(header),
@@ -125,6 +128,9 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
             "holes               {holes:>12}   capped by {triangles} triangles, at most {} wide",
             body::rounded_up(width)
         )?;
+    }
+    if report.spheres > 0 {
+        writeln!(out, "spheres inside      {:>12}", report.spheres)?;
     }
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
     writeln!(out, "nodes               {nodes:>12}")?;

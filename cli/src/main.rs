@@ -55,51 +55,54 @@ struct Cli {
 enum Command {
     /// Does A, placed by a pose in B's frame, meet B?
     ///
-    /// A and B are meshes (.obj, .off, .ply, .stl), trees made by `simdop build`, or shapes, which are exactly what
-    /// their numbers say: box:X,Y,Z (side lengths), sphere:R, capsule:R,H, cylinder:R,H and cone:R,H, about the origin
-    /// and along z, and plane:NX,NY,NZ,D (all points p with N . p <= D). The height of a capsule is the distance of the
-    /// centres of its hemispheres. hull:FILE is the convex hull of the points of a mesh, tree or cloud (.ply, .xyz).
-    /// Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the inverse of the pose moves
-    /// it. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For several poses it
-    /// is 0. For errors it is 2.
+    /// A and B are meshes (.obj, .off, .ply, .stl), trees made by `simdop build`, or exact shapes: box:X,Y,Z (side
+    /// lengths), sphere:R, capsule:R,H, cylinder:R,H and cone:R,H, about the origin and along z, and plane:NX,NY,NZ,D
+    /// (all points p with N . p <= D). The height of a capsule is the distance between the centres of its hemispheres.
+    /// hull:FILE is the convex hull of the points of a mesh, tree or cloud (.ply, .xyz). Without bodies: two generated
+    /// ones and a sweep of poses. If B alone is a shape, the inverse of the pose moves it. Exit code for a single pose:
+    /// 0 if free, 1 if hit, 3 if the budget was exhausted first. For several poses it is 0. For errors it is 2.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     ///
-    /// The body is as exact as the mesh. `simdop cover` makes a smaller one, within an error or a number of bytes or
+    /// The body is exactly the mesh. `simdop cover` makes a smaller one, within an error or a number of bytes or
     /// spheres.
     Build(build::Options),
     /// Describes a tree, or the tree of a mesh or a packing (.txt).
     Info(info::Options),
     /// Packs a closed mesh with disjoint spheres, always the largest that fits, and writes them as text.
     ///
-    /// The table shows the share of the mesh's volume that the first spheres cover.
+    /// The table shows the share of the mesh's volume that the first spheres fill.
     Pack(pack::Options),
     /// Covers a mesh with spheres: a smaller body that is free only where the mesh is free.
     ///
     /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error: "free"
-    /// is certain, and "hit" means within the error. The surface is covered, so that a body inside it may be free; with
-    /// --solid, and for trees of solids, the inside is covered, too. With --points, the input is a cloud of points.
+    /// is certain, and "hit" means within the error. Only the surface is covered, so that a body inside it may be free;
+    /// with --solid, and for trees of solids, the inside is covered, too. With --points, the input is a cloud of
+    /// points.
+    ///
+    /// A cover pays while its tree is smaller than the exact tree of the triangles: for errors from about 1 % of the
+    /// size.
     Cover(cover::Options),
-    /// How much volume do two packings share, A placed by a pose in B's frame?
+    /// How much volume do two packings share, with A placed by a pose in B's frame?
     ///
     /// Also prints the direction that separates A from B. One row for each pose.
     Volume(volume::Options),
-    /// How deep are two solids in each other: how far has A, placed by a pose in B's frame, to move to leave B?
+    /// How deeply do two solids overlap: how far must A, placed by a pose in B's frame, move to leave B?
     ///
-    /// Prints bounds of the least translation, and one that is enough. One row for each pose. A and B are meshes (.obj,
-    /// .off, .ply, .stl), which must be closed, or trees of solids made by `simdop build`.
+    /// Prints bounds of the least translation that separates them, and a translation that does. One row for each pose.
+    /// A and B are meshes (.obj, .off, .ply, .stl), which must be closed, or trees of solids made by `simdop build`.
     Depth(depth::Options),
     /// Which points of a cloud are near each other, or near a body?
     ///
     /// With a radius: the number of neighbours of the points, the time of the search, and the neighbours themselves.
     /// With a body, placed by a pose in the cloud's frame: whether any point is near it. Exit code for a single pose: 0
-    /// if free, 1 if hit. For several poses it is 0. For errors it is 2. Without files: the neighbours of built-in
+    /// if free, 1 if hit. For several poses it is 0, and for errors 2. Without files: the neighbours of built-in
     /// points.
     Near(near::Options),
     /// Which configurations of a robot are valid, which motions are free, and which of its links can meet?
     ///
-    /// A free motion is free at all times, not only at samples, and a pair that never meets does not meet for any
-    /// values of the joints. Meshes are .obj, .off, .ply or .stl. Without files: a built-in arm among boxes.
+    /// A free motion is free at all times, not only at samples, and a pair that never meets does not meet at any joint
+    /// values. Meshes are .obj, .off, .ply or .stl. Without files: a built-in arm among boxes.
     Robot(robot::Options),
     /// Which tree is the fastest for a mesh, and what does it cost in bytes and in tightness?
     ///
@@ -107,7 +110,7 @@ enum Command {
     /// plots with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
     /// meshes that they were built from. With one mesh, it is tested against itself; without files, the bodies are
     /// generated. The settings are k, arity, leaf size, splitter, with or without normal slabs, and whether planes are
-    /// stored as 16-bit fixed point or as half floats; bodies are as exact as their meshes. Packings of closed meshes
+    /// stored as 16-bit fixed point or as half floats; all bodies are exactly their meshes. Packings of closed meshes
     /// are compared by their number of spheres.
     #[cfg(feature = "report")]
     Report(report::Options),
@@ -120,7 +123,7 @@ enum Command {
     ///
     /// The table has a row for each case: pairs, missed and false collisions, poses where the exact answer flips within
     /// one unit in the last place, and the time relative to that of a benign case. The exit code is 0 if everything is
-    /// right, 2 for errors, and otherwise 1; then each wrong answer is printed with what is needed to reproduce it.
+    /// right, 2 for errors, and otherwise 1; then each wrong answer is printed with all that is needed to reproduce it.
     #[cfg(feature = "selftest")]
     Selftest(selftest::Options),
     /// Needs the feature `selftest`: is every answer right on this machine?
@@ -137,7 +140,7 @@ struct Absent {
     _arguments: Vec<std::ffi::OsString>,
 }
 
-/// Options for building a hierarchy from a mesh. Trees are used as they are: if all bodies are trees, these options are
+/// Options for building a hierarchy from a mesh. Trees are used unchanged: if all bodies are trees, these options are
 /// errors.
 #[derive(Args, Clone, Default, Debug)]
 struct TreeOptions {
@@ -158,18 +161,18 @@ struct TreeOptions {
     /// How the triangles of a node are distributed to its children [default: mean-width].
     #[arg(short, long, value_enum)]
     splitter: Option<SplitterName>,
-    /// Omit the normal slabs: saves 8 bytes per child, but smooth meshes that nearly touch need more visits.
+    /// Omit the normal slabs: saves 8 bytes per child, but smooth meshes that nearly touch take more visits.
     #[arg(long)]
     without_normal_slabs: bool,
-    /// Treat the mesh as a solid, so that what is wholly inside it is a hit. It must be closed.
+    /// Treat the mesh as a solid, so that a body wholly inside it is a hit. It must be closed.
     #[arg(long)]
     solid: bool,
     /// Replace the mesh, or a cloud of points (.ply, .xyz), by the convex hull of its points, which is a solid unless
-    /// they are all in one plane.
+    /// all points are in one plane.
     #[arg(long, conflicts_with_all = ["solid", "cap"])]
     hull: bool,
-    /// Treat the mesh as a solid, and cap its holes, none of which may be wider than this: the greatest distance of two
-    /// corners of a hole's border, in the mesh's unit.
+    /// Treat the mesh as a solid, and cap its holes, none of which may be wider than this: the greatest distance
+    /// between two corners of a hole's border, in the mesh's unit.
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     cap: Option<f64>,
     /// Accept a mesh file without triangles as an empty body, which meets nothing. Without this option it is an error.
@@ -186,7 +189,7 @@ impl TreeOptions {
         self.splitter.unwrap_or(SplitterName::MeanWidth)
     }
 
-    /// One of these options if any was given: for bodies that are already trees, to which they do not apply.
+    /// The first of these options that was given, if any: they do not apply to bodies that are already trees.
     fn first_given(&self) -> Option<&'static str> {
         let given = [
             ("--k", self.k.is_some()),
@@ -210,7 +213,7 @@ impl TreeOptions {
 enum StorageName {
     /// 16-bit fixed point: equally precise everywhere in the body.
     Fixed,
-    /// Half floats: more precise near the centre of the body, and less far from it.
+    /// Half floats: more precise near the centre of the body, and less precise far from it.
     Half,
 }
 

@@ -1,4 +1,4 @@
-//! Writes files atomically: a full disk, a limit or a kill leaves the previous contents.
+//! Writes files atomically: after a full disk, a size limit or a kill, the previous contents remain.
 
 use super::error::Error;
 use std::io::Write;
@@ -12,7 +12,7 @@ pub(super) fn replace<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>)
     staged.into_iter().try_for_each(Staged::commit)
 }
 
-/// Bytes that are to become a file's contents.
+/// Bytes that will become a file's contents.
 enum Staged<'a> {
     /// In a temporary file beside the one to replace.
     Beside { file: NamedTempFile, target: PathBuf },
@@ -20,7 +20,7 @@ enum Staged<'a> {
     Stream { path: &'a Path, bytes: &'a [u8] },
 }
 
-/// Writes the bytes to where a rename moves them to `path`.
+/// Writes the bytes to a temporary file, which a rename then moves to `path`.
 fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
     let old = std::fs::metadata(path);
     if is_standard_output(path) || old.as_ref().is_ok_and(|old| !old.is_file() && !old.is_dir()) {

@@ -10,13 +10,14 @@ use core::ops::ControlFlow;
 use serde::Serialize;
 use simdop::construct::Mesh;
 use simdop::hierarchy::CapStats;
+use simdop::mesh_io::MeshData;
 use simdop::packing::{Filling, Packer, Packing, text};
 use std::io::Write;
 use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A closed mesh, or a tree: then the mesh that it was built from. Without it: a built-in gear.
+    /// A closed mesh, or a tree, for the mesh that it was built from. Without it: a built-in gear.
     mesh: Option<File>,
     /// Number of spheres.
     #[arg(
@@ -27,7 +28,7 @@ pub(super) struct Options {
         value_parser = clap::value_parser!(u32).range(1..)
     )]
     spheres: u32,
-    /// Cap the holes of the mesh, none of which may be wider than this: the greatest distance of two corners of a
+    /// Cap the holes of the mesh, none of which may be wider than this: the greatest distance between two corners of a
     /// hole's border, in the mesh's unit. Caps bound the packing like triangles.
     #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
     cap: Option<f64>,
@@ -35,8 +36,8 @@ pub(super) struct Options {
     /// complete.
     #[arg(short, long)]
     output: File,
-    /// An image to write, .svg or .png by its extension: the spheres, each coloured by the child of the root of their
-    /// tree that holds it.
+    /// An image to write, .svg or .png by its extension: the spheres, each coloured by the child of their tree's root
+    /// that contains it.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     /// Print one JSON object instead of a table.
@@ -50,12 +51,12 @@ struct Report {
     mesh: String,
     triangles: usize,
     caps: Option<CapsReport>,
-    /// Of the mesh, in cubic units.
+    /// Volume of the mesh, in cubic units.
     volume: f64,
     spheres: usize,
     asked: u32,
     pack_nanoseconds: u128,
-    /// After 1, 2, 5, 10, 20 and so on spheres, and after all.
+    /// Steps after 1, 2, 5, 10, 20 and so on spheres, and after all.
     steps: Vec<Step>,
 }
 
@@ -65,7 +66,7 @@ struct Step {
     spheres: usize,
     volume: f64,
     share: f64,
-    /// Of the last of them.
+    /// Radius of the last of them.
     radius: f64,
 }
 
@@ -77,18 +78,9 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let (width, mut mesh) = (options.cap.or(source.cap_width()), source.into_mesh());
     let triangles = mesh.triangles.len();
     let caps = width.map_or(Ok(CapStats::default()), |width| body::cap(&name, &mut mesh, width))?;
-    let bar = progress::bar(options.spheres as usize, "spheres", options.json);
-    let mut observer = |filling: Filling| {
-        bar.set_position(filling.placed as u64);
-        ControlFlow::Continue(())
-    };
     let start = Instant::now();
-    let packing = Packer::new()
-        .spheres(options.spheres as usize)
-        .pack_with(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }, &mut observer)
-        .map_err(|error| Error::Pack { name: name.clone(), error })?;
+    let packing = fill(&name, &mesh, options.spheres, options.json)?;
     let pack_nanoseconds = start.elapsed().as_nanos();
-    drop(bar);
     let mut lines = String::new();
     // Writing to a string does not fail.
     let _ = text::write(&packing.spheres, &mut lines);
@@ -107,6 +99,19 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         steps: steps(&packing),
     };
     output::say(Some(&options.output), |out| print(&report, options.json, out))
+}
+
+/// Fills a closed mesh with at most this many spheres.
+pub(super) fn fill(name: &str, mesh: &MeshData, spheres: u32, quiet: bool) -> Result<Packing, Error> {
+    let bar = progress::bar(spheres as usize, "spheres", quiet);
+    let mut observer = |filling: Filling| {
+        bar.set_position(filling.placed as u64);
+        ControlFlow::Continue(())
+    };
+    Packer::new()
+        .spheres(spheres as usize)
+        .pack_with(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }, &mut observer)
+        .map_err(|error| Error::Pack { name: name.into(), error })
 }
 
 fn paint(name: &str, packing: &Packing, format: Format) -> Result<Vec<u8>, Error> {

@@ -15,7 +15,7 @@ use simdop::with_bvh;
 /// A and B.
 pub(super) enum Bodies {
     Trees([Body; 2]),
-    /// The shape is A, or it is B.
+    /// A shape and a tree; the shape may be A or B.
     Mixed {
         shape: NamedShape,
         tree: Box<Body>,
@@ -49,7 +49,8 @@ impl Bodies {
         }
     }
 
-    /// The poses for the queries, from those of A in B's frame: if B is a shape and A a tree, those of B.
+    /// The poses for the queries, from the poses of A in B's frame: if B is a shape and A a tree, the inverse poses, of
+    /// B.
     pub(super) fn places(&self, poses: Vec<Pose>) -> Result<Vec<Pose>, Error> {
         let Self::Mixed { is_shape_b: true, .. } = self else { return Ok(poses) };
         let inverse = |(i, pose): (usize, &Pose)| {
@@ -61,7 +62,7 @@ impl Bodies {
         poses.iter().enumerate().map(inverse).collect()
     }
 
-    /// At one of [`Self::places`].
+    /// The verdict at one of [`Self::places`].
     pub(super) fn collide(&self, query: &Query, place: &Pose) -> Answer {
         match self {
             Self::Trees([a, b]) => query.collide_any(&a.tree.view(), &b.tree.view(), place).expect(SAME),
@@ -95,7 +96,7 @@ impl Bodies {
             }
             Self::Shapes([a, b]) => {
                 if let Verdict::Hit(pair) = query.collide_shapes(&a.shape, &b.shape, place).verdict {
-                    // There is no other pair.
+                    // Two shapes have no other pair.
                     let _ = visit(pair);
                 }
                 Completion::Complete

@@ -6,20 +6,20 @@ use simdop::pose::Pose;
 use simdop::query::{Completion, ContactPatch, Query, TriangleContact, patches};
 use std::io::Write;
 
-/// Points that span a patch.
+/// Maximum number of points that span a patch.
 const POINTS: usize = 4;
 
 #[derive(Serialize)]
 pub(super) struct PatchReport {
     /// Number of pairs of triangles.
     contacts: usize,
-    /// The direction in which A leaves B, in B's frame.
+    /// The direction in which A moves out of B, in B's frame.
     normal: [f64; 3],
-    /// How far A has to go in that direction. Null without a direction.
+    /// How far A must move in that direction. Null without a direction.
     depth: Option<f64>,
-    /// Of the segments in which triangles meet.
+    /// Total length of the segments in which triangles meet.
     length: f64,
-    /// Of the triangles in one plane; else what the segments enclose.
+    /// Area of the polygons of triangles in one plane; otherwise the area that the segments enclose.
     area: f64,
     /// Points that span the patch.
     points: Vec<[f64; 3]>,
@@ -35,7 +35,7 @@ pub(super) fn find(query: &Query, [a, b]: &[Body; 2], pose: &Pose) -> Vec<PatchR
         found = query.contacts_any(&a, &b, pose, &mut contacts).expect(SAME);
     }
     let contacts = &mut contacts[..found.count];
-    // There are at most as many as contacts.
+    // There are at most as many patches as contacts.
     let mut all = vec![ContactPatch::default(); contacts.len()];
     let count = patches(contacts, &mut all).unwrap_or(0);
     let report = |patch: &ContactPatch| {
@@ -57,7 +57,7 @@ pub(super) fn find(query: &Query, [a, b]: &[Body; 2], pose: &Pose) -> Vec<PatchR
 impl PatchReport {
     pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
         let Self { contacts, normal, depth, length, area, points } = self;
-        // No minus in front of what is printed as zero.
+        // Avoids a minus sign in front of a printed zero.
         let [x, y, z] = normal.map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
         write!(out, "        {contacts} pairs, normal {x:.6} {y:.6} {z:.6}, ")?;
         if let Some(depth) = depth {

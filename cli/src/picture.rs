@@ -28,7 +28,7 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// By the file's extension.
+    /// The format by the file's extension.
     pub(super) fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
@@ -50,8 +50,8 @@ pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
     image(parts, &camera, title, format)
 }
 
-/// The image of spheres. The order of painting is right if they are disjoint: if a line of sight meets two, the one
-/// with the nearer centre is nearer.
+/// The image of spheres. The order of painting is right if they are disjoint: of two spheres on a line of sight, the
+/// one with the nearer centre is nearer.
 pub(super) fn paint_spheres(tree: &BvhRef<'_, Node16<18>, Spheres>, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::primitives_by_root_lane(tree);
     let camera = Camera::for_balls(clusters.iter().map(|(_, sphere)| (sphere.centre, sphere.radius)));
@@ -106,7 +106,7 @@ fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
 }
 
 fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
-    // Neither is zero; each is at most the longer side plus two margins.
+    // Neither side is zero; each is at most the longer side plus two margins.
     let [width, height] = size.map(|pixels| pixels.round() as u32);
     let mut image = Pixmap::new(width, height).expect("a size that memory has room for");
     image.fill(Color::WHITE);
@@ -128,7 +128,7 @@ fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
                 }
             }
             Outline::Disc { centre: [x, y], radius } => {
-                // Nor does a point.
+                // A point has no outline either.
                 if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
                     image.fill_path(&path, &paint, FillRule::Winding, still, None);
                     let [r, g, b] = rim([*r, *g, *b]);
@@ -181,7 +181,7 @@ impl Camera {
         Self { right, up, back, low: [left, bottom], extent: [width, height], scale }
     }
 
-    /// In pixels from the left and from the top.
+    /// Projects a point to pixels from the left and from the top.
     fn project(&self, p: &Vector) -> [f64; 2] {
         let x = dot(&self.right, p) - self.low[0];
         let y = self.low[1] + self.extent[1] - dot(&self.up, p);
@@ -191,13 +191,13 @@ impl Camera {
 
 /// A triangle or a sphere to paint.
 struct Part {
-    /// Along the axis to the viewer.
+    /// Position along the axis to the viewer.
     depth: f64,
     outline: Outline,
     colour: [u8; 3],
 }
 
-/// In pixels.
+/// An outline in pixels.
 enum Outline {
     Triangle([[f64; 2]; 3]),
     Disc { centre: [f64; 2], radius: f64 },
@@ -226,7 +226,7 @@ impl Part {
     }
 }
 
-/// Hues a golden angle apart, so that neighbouring lanes differ; every other round of the circle is paler.
+/// Hues a golden angle apart, so that neighbouring lanes differ; every second turn of the circle is paler.
 fn colour(lane: usize) -> Vector {
     let hue = (lane as f64 * 0.618_033_988_75).fract() * 6.0;
     let floor = [0.15, 0.45, 0.0][lane % 3];
@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// Nearer spheres are painted later: with the camera in front of each side of the spheres in turn.
+    /// Nearer spheres are painted later, with the camera in front of each side of the spheres in turn.
     #[test]
     fn the_nearer_sphere_is_painted_last() {
         for axis in 0..3 {

@@ -8,7 +8,7 @@ use simdop::pose::Pose;
 use std::path::Path;
 
 /// The poses of A.
-// Flattened into other structures of this name: clap would give both groups the same one.
+// No group: this is flattened into other structures of the same name, and clap would give both groups one name.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub(super) struct Options {

@@ -1,4 +1,4 @@
-//! Progress of long work, on standard error: bars on a terminal, and of some work lines in a log.
+//! Progress of long work, on standard error: bars on a terminal, and for some work, lines in a log.
 
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -46,7 +46,7 @@ pub(super) fn logged(count: usize, unit: &'static str, quiet: bool) -> Logged {
 }
 
 impl Logged {
-    /// After an item.
+    /// Called after each item.
     pub(super) fn inc(&mut self) {
         self.bar.inc(1);
         if self.is_log && self.last.elapsed() >= EVERY {
@@ -63,8 +63,8 @@ fn line(done: u64, all: u64, unit: &str, passed: Duration) -> String {
     format!("{done}/{all} {unit}, {left:.0} s left")
 }
 
-/// A bar over a build, in levels of the tree: apart from the first, which takes longest, they take about equally long.
-/// Disappears when dropped.
+/// A bar over a build, in levels of the tree: the first takes longest, and the others about equally long. Disappears
+/// when dropped.
 pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
     // One more step makes the nodes of all levels.
     let bar = visible(ProgressBar::new(levels + 1), quiet);

@@ -49,7 +49,7 @@ fn parse(path: PathBuf) -> Result<Given, String> {
             Shape::half_space([x, y, z], offset)
         }
         "hull" => return Ok(Given::File(BodyFile { path: rest.into(), is_hull: true })),
-        // A single letter is a drive.
+        // A single letter is a Windows drive.
         _ if kind.len() > 1 && kind.bytes().all(|c| c.is_ascii_alphabetic()) && !path.exists() => {
             return Err(format!(
                 "{kind} is not a shape: box, sphere, capsule, cylinder, cone, plane and hull are; nor is there such a \
@@ -62,7 +62,7 @@ fn parse(path: PathBuf) -> Result<Given, String> {
     Ok(Given::Shape(NamedShape { name: path.display().to_string(), shape }))
 }
 
-/// What a body is called that is one shape.
+/// The name of a shape's kind.
 pub(super) const fn kind(shape: &Shape) -> &'static str {
     match shape.core() {
         Core::Point(_) => "sphere",

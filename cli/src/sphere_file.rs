@@ -12,7 +12,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Whether a file holds spheres: by its name, or because it is a tree of spheres.
+/// Whether a file holds spheres: by its name, or as a tree of spheres.
 pub(super) fn is_of_spheres(path: &Path) -> bool {
     let is_tree = |bytes: Vec<u8>| bytes.starts_with(&MAGIC) && SphereTree::from_bytes(&bytes).is_ok();
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"))
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, SphereTree), Error> {
     Ok((spheres, tree))
 }
 
-/// The sum over all spheres: overlaps count twice.
+/// The sum of the volumes of all spheres: overlaps count twice.
 pub(super) fn volume(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(Sphere::volume).sum()
 }

@@ -19,16 +19,16 @@ pub(super) struct Report<'a> {
     pub(super) version: &'static str,
     pub(super) a: BodyReport,
     pub(super) b: BodyReport,
-    /// Of the trees. Null if both bodies are shapes.
+    /// k of the trees. Null if both bodies are shapes.
     pub(super) k: Option<usize>,
     pub(super) arity: Option<usize>,
     pub(super) storage: Option<StorageName>,
     pub(super) isa: &'static str,
-    /// In visits.
+    /// Budget in visits.
     pub(super) budget: Option<u64>,
     pub(super) repeat: u32,
     pub(super) summary: Summary,
-    /// In the order of the file.
+    /// Poses, in the order of the file.
     pub(super) poses: Vec<PoseReport<'a>>,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct BodyReport {
     pub(super) caps: Option<CapsReport>,
     /// The time to read and check the file. Null for a generated body.
     pub(super) read_nanoseconds: Option<u128>,
-    /// Null for a tree from a file.
+    /// The time to build the tree. Null for a tree from a file.
     pub(super) build_nanoseconds: Option<u128>,
 }
 
@@ -54,19 +54,19 @@ pub(super) struct PoseReport<'a> {
     /// The first pair of triangles found to meet, by their indices in the meshes. A shape has the index 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pair: Option<[u32; 2]>,
-    /// All of them.
+    /// All pairs that meet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pairs: Option<Pairs<'a>>,
-    /// Whether the budget sufficed for all of them. Comes after the pairs: it is known once they are written.
+    /// Whether the budget sufficed for all pairs. Follows the pairs, since it is known once they are written.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "known")]
     pub(super) pairs_complete: Option<Rc<Cell<bool>>>,
-    /// Where triangles touch; not all of it if the budget was exhausted.
+    /// The patches in which triangles touch; incomplete if the budget was exhausted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) patches: Option<Vec<PatchReport>>,
     /// Bounds on the distance, if the budget was exhausted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) distance_bounds: Option<[f64; 2]>,
-    /// The query, including set-up.
+    /// Time of the query, including set-up.
     pub(super) nanoseconds: u64,
     /// The time before the first visit.
     pub(super) set_up_nanoseconds: u64,
@@ -134,7 +134,7 @@ impl Summary {
         let (verdicts, mut times): (Vec<_>, Vec<_>) = poses.unzip();
         let count = |of| verdicts.iter().filter(|verdict| **verdict == of).count();
         times.sort_unstable();
-        // Nearest rank: the smallest time that is not below the given share of all times.
+        // Nearest rank: the smallest time that is not below the given percentage of all times.
         let rank = |percent: usize| (times.len() * percent).div_ceil(100).saturating_sub(1);
         let at = |percent| times.get(rank(percent)).copied().unwrap_or(0);
         Self {

@@ -42,7 +42,7 @@ struct Report {
     a: Body,
     b: Body,
     isa: &'static str,
-    /// In the order of the file.
+    /// Rows, in the order of the file.
     poses: Vec<Row>,
 }
 
@@ -50,7 +50,7 @@ struct Report {
 struct Body {
     name: String,
     spheres: usize,
-    /// The sum over all its spheres: overlaps count twice.
+    /// The sum of the volumes of all its spheres: overlaps count twice.
     volume: f64,
 }
 
@@ -64,7 +64,7 @@ struct Row {
     upper: f64,
     /// The direction that pushes A out of B.
     direction: [f64; 3],
-    /// In B's frame. Null if they share nothing.
+    /// The centroid of the shared volume, in B's frame. Null if the packings share nothing.
     point: Option<[f64; 3]>,
     pairs: u64,
     visits: u64,
@@ -72,7 +72,7 @@ struct Row {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    // Read the poses first: an error in them shows before the trees are built.
+    // Read the poses first, so that an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let [(a, tree_a), (b, tree_b)] = [read(&options.a)?, read(&options.b)?];
     let query = Query::new(options.isa).with_budget(options.budget.unwrap_or(u64::MAX));

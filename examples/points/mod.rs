@@ -32,9 +32,9 @@ pub(crate) mod torus {
     use super::{Random, Vec3};
     use core::f32::consts::TAU;
 
-    /// From the axis to the centre of the tube.
+    /// Distance from the axis to the centre of the tube.
     const MAJOR: f32 = 1.0;
-    /// Of the tube.
+    /// Radius of the tube.
     const MINOR: f32 = 0.4;
 
     /// A point of the surface and its normal.

@@ -59,8 +59,8 @@ fn main() -> io::Result<()> {
             write(target, &format!("sizes{k}"), &seed)?;
         }
     }
-    // Each two kinds of shapes, on the lattice and in real numbers: the mode, then the kind of the first, and after its
-    // numbers that of the second, which depends on how many bytes the first has taken.
+    // Each pair of kinds of shapes, on the lattice and in real numbers: the mode, the kind of the first, its numbers,
+    // and the kind of the second, whose position depends on how many bytes the first takes.
     for (k, name) in (0..7).zip(["point", "segment", "triangle", "cuboid", "cylinder", "cone", "half_space"])
     {
         for (mode, numbers) in [(0, "lattice"), (1, "any_bits"), (2, "real")] {

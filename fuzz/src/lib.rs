@@ -35,6 +35,7 @@ pub mod clouds;
 pub mod planes;
 pub mod shapes;
 pub mod spheres;
+pub mod targets;
 pub mod values;
 
 #[path = "../../tests/support/lens.rs"]

@@ -75,8 +75,8 @@ pub fn margin(input: &mut Input, a: &Shape, b: &Shape) -> f64 {
     if range.contains(&margin) { margin } else { 0.0 }
 }
 
-/// Checks whether two shapes are within a margin: exactly where rational numbers decide, else up to 2^-40 of the size,
-/// where only certainly free pairs are free.
+/// Checks whether two shapes are within a margin: exactly where rational numbers decide; otherwise free must be
+/// certain, and hits may be 2^-40 of the size apart.
 pub fn check_decision(a: &Shape, b: &Shape, margin: f64, is_within: bool) {
     match meets(a, b, margin) {
         Judgement::Meets | Judgement::TooCloseToCall => assert!(is_within, "a miss: {a:?} {b:?} {margin:e}"),
@@ -98,7 +98,7 @@ pub fn check_bounds(a: &Shape, b: &Shape, limit: f64, bounds: Option<(f64, f64)>
     match bounds {
         None => assert!(most > limit, "a miss: {a:?} {b:?} {limit:e}"),
         Some((lower, upper)) => {
-            // Pairs that are not certainly apart are said to meet.
+            // Pairs that are not certainly apart count as meeting.
             let is_unresolved = upper == 0.0 && !is_rational(a, b, 0.0);
             let slack = if is_unresolved { 2_f64.powi(-40) * found.size() } else { 0.0 };
             assert!(

@@ -19,8 +19,8 @@ pub fn is_plane<S: Storage>(code: i16) -> bool {
     value::<S>(code).is_finite() && !(S::IS_HALF && code == -1)
 }
 
-/// Whether a code is the lowest bound that is not below `x`, with infinity above all planes, and the lowest plane below
-/// them.
+/// Whether a code is the lowest bound that is not below `x`: infinity for `x` above all planes, the lowest plane for
+/// `x` below all.
 pub fn is_rounded_up<S: Storage>(code: i16, x: f64) -> bool {
     if code == S::INFINITY {
         return x > value::<S>(S::GREATEST);
@@ -37,7 +37,7 @@ pub fn is_around<S: Storage>(code: i16, x: f32) -> bool {
         return code == S::INFINITY;
     }
     if S::IS_HALF {
-        // -0 is for numbers that are negative.
+        // -0 stands for negative numbers.
         return is_rounded_up::<S>(code, exact)
             || code == -1 && x.is_sign_negative() && is_rounded_up::<S>(0, exact);
     }

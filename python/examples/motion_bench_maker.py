@@ -1,4 +1,4 @@
-"""Solve problems of MotionBenchMaker by OMPL, with certified motions, and draw the last path.
+"""Solve problems of MotionBenchMaker with OMPL and certified motions, and draw the last path.
 
     python motion_bench_maker.py panda.urdf panda.srdf mbm_panda.jsonl --every 100 --picture path.png
 
@@ -43,14 +43,14 @@ def among_obstacles(robot: PlanningScene, problem: dict[str, Any]) -> PlanningSc
     scene = robot.copy()
     for obstacle in problem["obstacles"]:
         dims = obstacle["dims"]
-        # Cylinders have their height before the radius.
+        # A cylinder's height comes before its radius.
         body = Body.box(dims) if obstacle["type"] == "box" else Body.cylinder(dims[1], dims[0])
         scene.add(obstacle["id"], body, pose(obstacle["pos"], obstacle["quat_xyzw"]))
     return scene
 
 
 def ends(scene: PlanningScene, problem: dict[str, Any]) -> tuple[Floats, Floats]:
-    """Start and goal. Variables that a goal leaves out stay as they are."""
+    """Start and goal. Variables that a goal leaves out keep their values."""
     start = dict(zip(scene.variables, np.clip(0.0, *scene.limits.T), strict=True)) | problem["start"]
     goal = start | problem["goals"][0]
     return np.array([start[name] for name in scene.variables]), np.array([goal[name] for name in scene.variables])

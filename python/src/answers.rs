@@ -1,4 +1,4 @@
-//! What distance and penetration queries return.
+//! Results of distance and penetration queries.
 
 use crate::batch::Answers;
 use pyo3::prelude::*;
@@ -6,7 +6,7 @@ use simdop::query::{Distance, Penetration};
 
 /// The distance of two bodies at one pose, or at each of n poses.
 ///
-/// Of one pose all attributes are numbers and arrays of the shape (3,); of n poses there is one more dimension.
+/// For one pose all attributes are numbers and arrays of the shape (3,); for n poses they have one more dimension.
 #[pyclass(frozen, name = "Distance", module = "simdop")]
 #[derive(Debug)]
 pub(crate) struct PyDistance(Answers<Found>);
@@ -41,7 +41,8 @@ impl From<Answers<Distance>> for PyDistance {
 
 #[pymethods]
 impl PyDistance {
-    /// Lower bound, in the bodies' unit. Infinite if a body is empty; at least the cutoff beyond it.
+    /// Lower bound, in the bodies' unit. Infinite if a body is empty; the cutoff or more if the bodies are farther
+    /// apart than that.
     #[getter]
     fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.values(py, |found| found.lower)
@@ -102,7 +103,7 @@ impl PyDistance {
 
 /// The volume that two bodies of spheres have in common, at one pose or at each of n poses.
 ///
-/// Of one pose all attributes are numbers and arrays of the shape (3,); of n poses there is one more dimension.
+/// For one pose all attributes are numbers and arrays of the shape (3,); for n poses they have one more dimension.
 #[pyclass(frozen, name = "Penetration", module = "simdop")]
 #[derive(Debug)]
 pub(crate) struct PyPenetration(pub(crate) Answers<Penetration>);
@@ -115,13 +116,14 @@ impl PyPenetration {
         self.0.values(py, |found| found.volume)
     }
 
-    /// The direction in which A is pushed, in the frame of B. Its length is 1 if all pairs of spheres agree.
+    /// The direction in which A is pushed, in the frame of B. Its length is 1 if all pairs of spheres have the same
+    /// direction.
     #[getter]
     fn direction(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.rows(py, |found| found.direction)
     }
 
-    /// The middle of the common volume, in the frame of B. NaN if there is none.
+    /// The centroid of the common volume, in the frame of B. NaN if there is none.
     #[getter]
     fn point(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.rows(py, |found| found.point.unwrap_or([f64::NAN; 3]))

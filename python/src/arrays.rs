@@ -1,7 +1,7 @@
 //! Arrays of numpy, checked and converted.
 //!
-//! Numbers of any type, order and alignment are accepted; those of the right type in rows are read in place. What a
-//! query uses is copied first, since the interpreter's lock is released while it runs, and other threads may write to
+//! Numbers of any type, order and alignment are accepted; contiguous rows of the right type are read in place. The
+//! input of a query is copied first, since the query releases the interpreter's lock, and other threads may write to
 //! the array.
 
 use crate::error::{OrRaise, named, raise_as, raised};
@@ -16,7 +16,7 @@ use simdop::Pose;
 /// A row of `[R|t]`, and the whole matrix.
 type Matrix = [f64; 16];
 
-/// The array of an argument in C order, aligned and with elements of type `T`; converted if it has others.
+/// The array of an argument in C order, aligned and with elements of type `T`; converted if necessary.
 ///
 /// `kinds` are numpy's letters of the element types that may be converted.
 fn in_rows<'py, T: Element>(
@@ -59,7 +59,7 @@ pub(crate) fn rows<const K: usize>(given: &Bound<'_, PyAny>, name: &str) -> PyRe
     Ok(array.as_slice()?.as_chunks().0.to_vec())
 }
 
-/// As `rows`, of numbers in single precision.
+/// As [`rows`], in single precision.
 pub(crate) fn single_rows<const K: usize>(given: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f32; K]>> {
     let array = in_rows::<f32>(given, name, "fiub")?;
     check_rows(array.shape(), K, name)?;

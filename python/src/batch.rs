@@ -6,7 +6,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use simdop::Pose;
 
-/// What one pose or many give.
+/// The answer for one pose, or those for many.
 #[derive(Debug)]
 pub(crate) enum Answers<T> {
     One(T),
@@ -45,7 +45,7 @@ impl<T> Answers<T> {
         }
     }
 
-    /// Of many poses.
+    /// Number of answers for many poses.
     pub(crate) fn len(&self, what: &str) -> PyResult<usize> {
         match self {
             Self::One(_) => Err(PyTypeError::new_err(format!("the {what} at one pose has no length"))),
@@ -53,7 +53,7 @@ impl<T> Answers<T> {
         }
     }
 
-    /// Of one pose; `otherwise` is what is wrong at several.
+    /// A number for one pose; `otherwise` is the error text for many.
     pub(crate) fn float(&self, otherwise: &'static str, number: impl Fn(&T) -> f64) -> PyResult<f64> {
         match self {
             Self::One(found) => Ok(number(found)),
@@ -65,7 +65,7 @@ impl<T> Answers<T> {
 /// Fewer poses are not worth a thread.
 const LEAST_SHARE: usize = 16;
 
-/// The number of threads that a user asks for: 0 stands for all cores.
+/// The number of threads for a user's request: 0 stands for all cores.
 fn threads(asked: usize) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     if asked == 0 { cores() } else { asked }
@@ -93,7 +93,7 @@ pub(crate) fn all<I: Sync, T: Send>(
     all_with(items, asked, &|| (), &|(), item| ask(item))
 }
 
-/// As `all`, with memory that each thread makes for itself.
+/// As `all`, with memory that each thread allocates once.
 pub(crate) fn all_with<I: Sync, T: Send, M>(
     items: &[I],
     asked: usize,

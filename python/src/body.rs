@@ -22,9 +22,9 @@ use std::sync::Arc;
 
 /// A body: a mesh, shapes, spheres or points, with the tree over them; or one shape.
 ///
-/// Bodies do not change, and any number of threads and scenes may use one. All bodies of a program have the same unit
+/// Bodies are immutable, and any number of threads and scenes may share one. All bodies of a program have the same unit
 /// of length; coordinates range from 2^-250 to 2^300. A pose is a 4 x 4 matrix [R|t] that places body A in the frame of
-/// body B: ``a.collide(b, pose)``. Touching is meeting.
+/// body B: ``a.collide(b, pose)``. Touching counts as meeting.
 #[pyclass(frozen, name = "Body", module = "simdop", weakref, skip_from_py_object)]
 #[derive(Clone, Debug)]
 pub(crate) struct PyBody(pub(crate) Arc<Geometry>);
@@ -71,13 +71,13 @@ impl PyBody {
     /// triangles : (m, 3) array of integers
     ///     Indices into the vertices. Duplicate, degenerate and non-manifold triangles are accepted.
     /// solid : bool
-    ///     Whether the triangles, which must be closed, bound a solid: then a body inside is a hit. Otherwise they are
-    ///     a surface.
+    ///     Whether the triangles bound a solid, for which they must be closed: then a body inside is a hit. Otherwise
+    ///     they are a surface.
     /// caps : float, optional
-    ///     A solid whose holes of at most this width are capped.
+    ///     Build a solid, and cap holes of at most this width.
     /// build : "best", "balanced" or "fast"
-    ///     The best trees have the fewest visits per query, balanced ones half their nodes, and fast ones are built in a
-    ///     tenth of the time.
+    ///     The best trees have the fewest visits per query, balanced ones half their nodes, and fast ones are built in
+    ///     a tenth of the time.
     ///
     /// Raises
     /// ------
@@ -185,7 +185,7 @@ impl PyBody {
         shaped(Shape::new(Core::Triangle(corners), 0.0).or_raise(), radius, at)
     }
 
-    /// The convex hull of points (n, 3): exact, and solid unless they are all in one plane.
+    /// The convex hull of points (n, 3): exact, and solid unless all points are in one plane.
     ///
     /// Pairs of hulls and shapes have a ``depth`` and a ``signed_distance`` that are known to rounding.
     #[staticmethod]
@@ -194,7 +194,7 @@ impl PyBody {
         py.detach(|| Geometry::hull(&points)).map(Self::from)
     }
 
-    /// One body of several: shapes, spheres, or bodies of them. Half-spaces are refused.
+    /// One body of several shapes, spheres, or bodies of these. Half-spaces are refused.
     #[staticmethod]
     fn shapes(py: Python<'_>, bodies: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
         let mut shapes = Vec::new();
@@ -229,8 +229,7 @@ impl PyBody {
         py.detach(|| Geometry::cloud(&points)).map(Self::from)
     }
 
-    /// The body whose bytes ``to_bytes`` returned, or that the library built. Bytes that are unsafe to traverse are
-    /// refused.
+    /// The body with these bytes, from ``to_bytes`` or the Rust library. Bytes that are unsafe to traverse are refused.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, data: &[u8]) -> PyResult<Self> {
         py.detach(|| Geometry::from_bytes(data)).map(Self::from)
@@ -250,7 +249,7 @@ impl PyBody {
         let (py, class) = (slf.py(), slf.get_type());
         match &*slf.get().0 {
             Geometry::Shape(shape) => {
-                // A shape's own text would have to be parsed: one in a tree has bytes.
+                // A shape alone has only a text, which would have to be parsed; a tree of one shape has bytes.
                 match Geometry::shapes(&[*shape]) {
                     Ok(tree) => {
                         let bytes = PyBytes::new(py, &tree.bytes().unwrap_or_default());
@@ -286,15 +285,15 @@ impl PyBody {
         Ok(Geometry::Shape(*shape).into())
     }
 
-    /// A half-space widened by a radius, with the very normal. For pickle.
+    /// A half-space widened by a radius, with its normal bit for bit. For pickle.
     #[staticmethod]
     fn _half_space(normal: &Bound<'_, PyAny>, offset: f64, radius: f64) -> PyResult<Self> {
         let core = Core::HalfSpace { normal: numbers(normal, "normal")?, offset };
         Ok(Geometry::Shape(Shape::new(core, radius).or_raise()?).into())
     }
 
-    /// "mesh", "hull", "spheres", "shapes" or "cloud"; or of one shape, "sphere", "capsule", "box", "cylinder", "cone",
-    /// "triangle" or "half-space".
+    /// "mesh", "hull", "spheres", "shapes" or "cloud"; or for one shape, "sphere", "capsule", "box", "cylinder",
+    /// "cone", "triangle" or "half-space".
     #[getter]
     fn kind(&self) -> &'static str {
         self.0.kind()
@@ -310,7 +309,8 @@ impl PyBody {
         }
     }
 
-    /// What is capped of a solid: number of holes, number of triangles in their caps, and the width of the widest hole.
+    /// The capped holes of a solid: number of holes, number of triangles in their caps, and the width of the widest
+    /// hole.
     #[getter]
     fn caps(&self) -> (usize, usize, f64) {
         match self.0.view() {
@@ -385,7 +385,8 @@ impl PyBody {
 
     /// Cover a mesh with spheres: they contain all of it, and no point farther than ``error`` from it.
     ///
-    /// ``solid`` covers what the mesh encloses, too; by default that of a solid.
+    /// With ``solid``, they also cover what the mesh encloses; by default if the mesh is a solid. A cover pays if it is
+    /// smaller than the mesh's tree, which is exact: for errors above about 1 % of the size.
     #[pyo3(signature = (error, *, solid = None))]
     fn cover(&self, py: Python<'_>, error: f64, solid: Option<bool>) -> PyResult<Self> {
         let solid = solid.unwrap_or_else(|| self.is_solid());
@@ -400,8 +401,8 @@ impl PyBody {
 
     /// Whether this body, placed by ``pose`` in the frame of ``other``, meets it.
     ///
-    /// ``pose`` has the shape (4, 4), by default the identity; or (n, 4, 4): then the result is an array of n booleans,
-    /// computed on ``threads`` threads, 0 for one per core.
+    /// ``pose`` has the shape (4, 4), and is the identity by default; with the shape (n, 4, 4), the result is an array
+    /// of n booleans, computed on ``threads`` threads, 0 for one per core.
     #[pyo3(signature = (other, pose = None, *, threads = 1))]
     fn collide(
         &self,
@@ -432,10 +433,10 @@ impl PyBody {
             .values(py, |hit| *hit)
     }
 
-    /// The distance of this body, placed by ``pose`` in the frame of ``other``, from it, and where they are closest.
+    /// The distance from this body, placed by ``pose`` in the frame of ``other``, to ``other``, and the closest points.
     ///
-    /// ``tolerance`` limits the gap of the bounds relative to the distance; 0 makes it as small as rounding allows. Of
-    /// bodies that are not nearer than ``cutoff`` no more is found out.
+    /// ``tolerance`` limits the gap between the bounds relative to the distance; 0 makes it as small as rounding
+    /// allows. The search stops once the distance is known to be at least ``cutoff``.
     #[pyo3(signature = (other, pose = None, *, tolerance = 0.0, cutoff = f64::INFINITY, threads = 1))]
     fn distance(
         &self,
@@ -452,7 +453,7 @@ impl PyBody {
         Ok(each(py, &poses, threads, |pose| pair::distance(&a, &b, pose, search))?.into())
     }
 
-    /// The volume that two bodies of spheres have in common, such as packings, and the direction that separates them.
+    /// The common volume of two bodies of spheres, such as packings, and the direction that separates them.
     #[pyo3(signature = (other, pose = None, *, threads = 1))]
     fn penetration(
         &self,

@@ -39,19 +39,20 @@ impl PyContacts {
         array(py, self.pairs.iter().map(|pair| pair.b).collect())
     }
 
-    /// A point of both primitives, up to 2^-26 of their size, in the frame of B, (n, 3).
+    /// Common points of the two primitives, up to 2^-26 of their size, in the frame of B, (n, 3).
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         table(py, self.points.clone())
     }
 
-    /// The direction of the least translation of A's primitive that separates the two, in the frame of B, (n, 3).
+    /// The directions of the shortest translations of A's primitives that separate them from B's, in the frame of B,
+    /// (n, 3).
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         table(py, self.normals.clone())
     }
 
-    /// The length of that translation, (n,). This is of two primitives; the bodies may be deeper in each other.
+    /// The lengths of these translations, (n,). They concern two primitives; the bodies may penetrate more deeply.
     #[getter]
     fn depths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         array(py, self.depths.clone())
@@ -67,7 +68,7 @@ impl PyContacts {
     }
 }
 
-/// A patch of two meshes: contacts of their triangles that hang together.
+/// A patch of two meshes: connected contacts of their triangles.
 #[pyclass(frozen, name = "Patch", module = "simdop")]
 #[derive(Debug)]
 pub(crate) struct PyPatch {
@@ -84,7 +85,8 @@ impl PyPatch {
         array(py, self.patch.centre.to_vec())
     }
 
-    /// The unit vector along which A leaves B, in the frame of B, (3,). Zeros if no direction is better than another.
+    /// The unit vector along which A moves out of B, in the frame of B, (3,). Zeros if no direction is better than
+    /// another.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         array(py, self.patch.normal.to_vec())
@@ -96,13 +98,13 @@ impl PyPatch {
         table(py, self.points.clone())
     }
 
-    /// How far A has to move along the normal until it has left B, in the bodies' unit. Infinite without a normal.
+    /// How far A must move along the normal until it is free of B, in the bodies' unit. Infinite without a normal.
     #[getter]
     const fn depth(&self) -> f64 {
         self.depth
     }
 
-    /// The length of all its segments, in the bodies' unit.
+    /// The total length of its segments, in the bodies' unit.
     #[getter]
     const fn length(&self) -> f64 {
         self.patch.length
@@ -195,11 +197,11 @@ impl PyBody {
         })
     }
 
-    /// Where this mesh, placed by ``pose`` in the frame of another, touches it: a list of patches, the one with the
-    /// most pairs of triangles first; for n poses, (n, 4, 4), a list of n lists, found on ``threads`` threads.
+    /// The contact patches of this mesh, placed by ``pose`` in the frame of another, with it: a list, the patch with
+    /// the most pairs of triangles first; for n poses, (n, 4, 4), a list of n lists, found on ``threads`` threads.
     ///
-    /// A patch has at most ``points`` points, which span it: of a box on a box, four are its corners. Triangles that
-    /// face outwards are assumed.
+    /// A patch has at most ``points`` points, which span it: for a box on a box, the four corners of the contact.
+    /// Triangles are assumed to face outwards.
     ///
     /// Raises
     /// ------

@@ -1,4 +1,4 @@
-//! How deep two bodies are in each other, and their signed distance.
+//! Penetration depths and signed distances of two bodies.
 
 use crate::arrays::{numbers, poses};
 use crate::batch::{Answers, each};
@@ -7,10 +7,10 @@ use crate::pair;
 use pyo3::prelude::*;
 use simdop::query::{Completion, DepthInterval, SignedDistance};
 
-/// How deep two bodies are in each other, at one pose or at each of n poses: the length of the least translation that
-/// takes one out of the other is in ``lower`` to ``upper``.
+/// The penetration depth of two bodies, at one pose or at each of n poses: the length of the shortest translation that
+/// separates them, which lies in ``lower`` to ``upper``.
 ///
-/// Of one pose all attributes are numbers and arrays of the shape (3,); of n poses there is one more dimension.
+/// For one pose all attributes are numbers and arrays of the shape (3,); for n poses they have one more dimension.
 #[pyclass(frozen, name = "Depth", module = "simdop")]
 #[derive(Debug)]
 pub(crate) struct PyDepth(Answers<DepthInterval>);
@@ -18,13 +18,14 @@ pub(crate) struct PyDepth(Answers<DepthInterval>);
 #[pymethods]
 impl PyDepth {
     /// Lower bound, in the bodies' unit: after every shorter translation the bodies meet. Zero if they are free, or if
-    /// nothing is known of their insides.
+    /// their interiors are unknown.
     #[getter]
     fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.values(py, |found| found.lower)
     }
 
-    /// Upper bound: the length of ``translation``. Zero if and only if the bodies are free. Infinite if none was found.
+    /// Upper bound: the length of ``translation``. Zero if and only if the bodies are free. Infinite if no translation
+    /// was found.
     #[getter]
     fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.values(py, |found| found.upper)
@@ -69,23 +70,24 @@ impl PyDepth {
     }
 }
 
-/// The distance of two bodies, or minus their depth, at one pose or at each of n poses: it is in ``lower`` to
+/// The distance of two bodies, or minus their depth, at one pose or at each of n poses. It lies in ``lower`` to
 /// ``upper``.
 ///
-/// Of one pose all attributes are numbers and arrays of the shape (3,) or (6,); of n poses there is one more dimension.
+/// For one pose all attributes are numbers and arrays of the shape (3,) or (6,); for n poses they have one more
+/// dimension.
 #[pyclass(frozen, name = "SignedDistance", module = "simdop")]
 #[derive(Debug)]
 pub(crate) struct PySignedDistance(Answers<SignedDistance>);
 
 #[pymethods]
 impl PySignedDistance {
-    /// Lower bound, in the bodies' unit: of bodies that meet, minus the upper bound of their depth.
+    /// Lower bound, in the bodies' unit. If the bodies meet: minus the upper bound of their depth.
     #[getter]
     fn lower(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.values(py, |found| found.lower)
     }
 
-    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    /// Upper bound. If the bodies meet: minus the lower bound of their depth.
     #[getter]
     fn upper(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.values(py, |found| found.upper)
@@ -98,8 +100,8 @@ impl PySignedDistance {
         self.0.rows(py, |found| found.normal)
     }
 
-    /// The point of A, in the frame of B: the nearest to B, or the one that touches B last when A leaves it along the
-    /// normal.
+    /// The point of A, in the frame of B: the nearest to B, or the last one in contact with B while A moves out along
+    /// the normal.
     #[getter]
     fn point_a(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.rows(py, |found| found.a)
@@ -111,8 +113,9 @@ impl PySignedDistance {
         self.0.rows(py, |found| found.b)
     }
 
-    /// The derivative by the pose: three numbers for a translation of A along the axes of B, then three for a rotation
-    /// of A about them, through the origin of B, per radian. Of bodies that meet it is that of ``lower``.
+    /// The derivative with respect to the pose: three numbers for a translation of A along the axes of B, then three
+    /// for a rotation of A about these axes, through the origin of B, per radian. If the bodies meet, it is that of
+    /// ``lower``.
     #[getter]
     fn gradient(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.rows(py, |found| found.gradient)
@@ -127,8 +130,8 @@ impl PySignedDistance {
         true
     }
 
-    /// The upper bound of a distance; the lower bound where the bodies meet, which is minus the length of a translation
-    /// that takes them apart.
+    /// The upper bound of a distance. If the bodies meet: the lower bound, which is minus the length of a separating
+    /// translation.
     fn __float__(&self) -> PyResult<f64> {
         self.0.float("the signed distance at several poses is no float", |found| {
             if found.upper > 0.0 { found.upper } else { found.lower }
@@ -150,19 +153,20 @@ impl PySignedDistance {
 
 #[pymethods]
 impl PyBody {
-    /// How deep this body, placed by ``pose`` in the frame of ``other``, is in it: the least translation that takes it
-    /// out, as an interval.
+    /// The penetration depth of this body, placed by ``pose`` in the frame of ``other``, in ``other``: bounds of the
+    /// length of the shortest translation that separates them.
     ///
-    /// Of two shapes or hulls, and of a half-space and any body, it is known to rounding. Of solid meshes the interval
-    /// is certain: a translation after which they are free, and the radius of a ball of translations after which they
-    /// are not. Of a surface, spheres, several shapes or a cloud, nothing is known of the inside: the lower bound is 0.
+    /// For two shapes or hulls, and for a half-space and any body, it is known to rounding. For solid meshes, spheres
+    /// and several shapes the bounds are certain: a translation after which the bodies are free, and the radius of a
+    /// ball of translations after which they are not. The interior of a cloud is unknown, and so is that of a surface
+    /// paired with a mesh: then the lower bound is 0.
     ///
     /// Parameters
     /// ----------
     /// other : Body
     /// pose : (4, 4) or (n, 4, 4) array, by default the identity
     /// budget : int, optional
-    ///     The most visits of a search, which some 1,000 of in a millisecond; without it the search ends by itself.
+    ///     The maximum number of visits, some 1,000 per millisecond. Without it, the search ends by itself.
     /// threads : int
     ///     For n poses; 0 for one per core.
     ///
@@ -184,11 +188,11 @@ impl PyBody {
         Ok(PyDepth(found))
     }
 
-    /// How far this body, placed by ``pose`` in the frame of ``other``, has to move along ``direction``, (3,), until it
-    /// has left it for good: a float, or for n poses an array of n.
+    /// How far this body, placed by ``pose`` in the frame of ``other``, must move along ``direction``, (3,), until it
+    /// no longer meets ``other``, however much farther it moves: a float, or for n poses an array of n.
     ///
-    /// An upper bound, which exceeds the least such translation by at most about 2^-30 of it. Zero for bodies that are
-    /// free, infinite if the direction is zero.
+    /// An upper bound, which exceeds the least such translation by at most about 2^-30 of it. Zero if the two do
+    /// not meet, infinite if they do and the direction is zero.
     #[pyo3(signature = (other, direction, pose = None, *, threads = 1))]
     fn depth_along(
         &self,
@@ -204,11 +208,11 @@ impl PyBody {
         found.values(py, |depth| *depth)
     }
 
-    /// The distance of this body, placed by ``pose`` in the frame of ``other``, from it where they are apart, and minus
-    /// their ``depth`` where they meet, with its derivative by the pose.
+    /// The distance from this body, placed by ``pose`` in the frame of ``other``, to ``other``, or minus their
+    /// ``depth`` if they meet, with its derivative with respect to the pose.
     ///
-    /// ``tolerance`` limits the gap of the bounds of a distance relative to it, and of the depth of hulls and shapes;
-    /// ``budget`` is that of ``depth``. Raises ``ToleranceError``, or as ``depth``.
+    /// ``tolerance`` limits the gap between the bounds of a distance, or of the depth of hulls and shapes, relative to
+    /// it; ``budget`` is that of ``depth``. Raises ``ToleranceError``, or as ``depth``.
     #[pyo3(signature = (other, pose = None, *, tolerance = 0.0, budget = None, threads = 1))]
     fn signed_distance(
         &self,

@@ -1,4 +1,4 @@
-//! What a body is, without Python.
+//! The geometry of a body, without Python.
 
 use crate::error::{OrRaise, raise_as, raised};
 use pyo3::prelude::*;
@@ -42,7 +42,7 @@ impl Geometry {
         Ok(Self::Hull(Arc::new(tree), vertices))
     }
 
-    /// If it is convex, at a pose.
+    /// The body as a convex one, at a pose, if it is convex.
     pub(crate) fn convex(&self, pose: &Pose) -> Option<Convex<'_>> {
         match self {
             Self::Shape(shape) => Some(Convex::Shape(shape.moved(pose))),
@@ -138,7 +138,7 @@ impl Geometry {
         }
     }
 
-    /// Of a body that a scene owns.
+    /// The geometry of a body that a scene owns.
     pub(crate) fn of_tree(tree: BodyTree<'static, Node>) -> Self {
         match tree {
             BodyTree::Shape(shape) => Self::Shape(shape),

@@ -1,4 +1,4 @@
-//! Triangles of bodies, for pictures.
+//! Triangulates bodies, for pictures.
 
 use crate::arrays::table;
 use crate::body::PyBody;
@@ -41,7 +41,7 @@ fn circle(centre: &Point, axis: &Point, radius: f64, segments: usize) -> Vec<Poi
     (0..segments).map(at).collect()
 }
 
-/// Points of a core whose hull is the core, or in it if the core is round. None of a half-space.
+/// Points whose hull is the core, or lies in it if the core is round. None for a half-space.
 fn corners(core: &Core, segments: usize) -> Vec<Point> {
     match core {
         Core::Point(p) => vec![*p],
@@ -65,7 +65,7 @@ fn corners(core: &Core, segments: usize) -> Vec<Point> {
     }
 }
 
-/// Points of a shape whose hull is the shape, or in it.
+/// Points whose hull is the shape, or lies in it.
 fn outline(shape: &Shape, segments: usize) -> Vec<Point> {
     let corners = corners(shape.core(), segments);
     if shape.radius() == 0.0 {
@@ -106,8 +106,8 @@ fn triangulated(geometry: &Geometry, segments: usize) -> PyResult<(Vec<Point>, V
 
 #[pymethods]
 impl PyBody {
-    /// Triangles for pictures: vertices (n, 3) and indices (m, 3). Round shapes become polyhedra of ``segments``
-    /// corners around, which are on the shape. A half-space and a cloud have none.
+    /// Triangles for pictures: vertices (n, 3) and indices (m, 3). Round shapes become polyhedra with ``segments``
+    /// corners around the axis, which are on the shape. A half-space and a cloud have no triangles.
     #[pyo3(signature = (segments = 24))]
     fn mesh<'py>(&self, py: Python<'py>, segments: usize) -> PyResult<Triangulated<'py>> {
         let segments = segments.clamp(3, 1024);

@@ -18,7 +18,7 @@ pub(crate) fn query() -> Query {
     Query::new(*ISA)
 }
 
-/// The exception for two bodies, which the caller never put into a scene.
+/// The exception for a query of two bodies, whose caller does not know of the scene used inside.
 fn as_of_bodies(error: SceneError) -> PyErr {
     match error {
         SceneError::Tolerance(error) => error.raise(),
@@ -39,7 +39,7 @@ pub(crate) fn within(a: &View<'_>, b: &View<'_>, pose: &Pose, margin: f64) -> Py
     a.within(&query(), b, pose, margin).map_err(as_of_bodies)
 }
 
-/// How a distance is searched for.
+/// The parameters of a distance query.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Search {
     pub(crate) tolerance: f64,
@@ -56,7 +56,7 @@ pub(crate) fn query_within(budget: Option<u64>) -> Query {
     budget.map_or_else(query, |budget| query().with_budget(budget))
 }
 
-/// Two convex bodies, of which one is a hull.
+/// Both bodies as convex ones, if they are convex and at least one is a hull.
 fn hulls<'g>(a: &'g Geometry, b: &'g Geometry, pose: &Pose) -> Option<(Convex<'g>, Convex<'g>)> {
     let has_hull = matches!(a, Geometry::Hull(..)) || matches!(b, Geometry::Hull(..));
     has_hull.then(|| a.convex(pose).zip(b.convex(&Pose::IDENTITY))).flatten()
@@ -84,7 +84,7 @@ pub(crate) fn depth(query: &Query, a: &Geometry, b: &Geometry, pose: &Pose) -> P
     }
 }
 
-/// How far A moves along a direction until it has left B.
+/// How far A must move along a direction until it is free of B.
 pub(crate) fn depth_along(a: &View<'_>, b: &View<'_>, pose: &Pose, direction: [f64; 3]) -> PyResult<f64> {
     a.depth_along(&query(), b, pose, direction).map_err(as_of_bodies)
 }

@@ -16,22 +16,23 @@ use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 /// A robot among objects, queried by the values of its joints.
 ///
-/// ``urdf`` and ``srdf`` are files; the SRDF file has the pairs of links that are not tested, and groups of joints. With
-/// ``group`` only its joints are planned for, and the other variables keep the values of ``rest``, one for each variable
-/// of the robot. Meshes that are closed, or have no hole wider than ``cap``, are solids. A configuration is an array of
-/// values, (n,), one for each variable that is planned for, in radians and the robot's unit of length.
+/// ``urdf`` and ``srdf`` are files; the SRDF file lists the pairs of links that are not tested, and groups of joints.
+/// With ``group``, only the joints of this group are planned for; the other variables keep their values in ``rest``,
+/// which has one for each variable of the robot. Meshes that are closed, or have no hole wider than ``cap``, are
+/// solids. A configuration is an array of values, (n,), one for each variable that is planned for, in radians and the
+/// robot's unit of length.
 ///
-/// Free is certain: no two tested bodies meet, and along an edge at no time, up to intervals of ``resolution``, which
-/// count as not free where they cannot be decided.
+/// Free is certain: no two tested bodies meet, and along an edge at no time. Intervals of time as short as
+/// ``resolution`` that cannot be decided count as not free.
 #[pyclass(frozen, name = "PlanningScene", module = "simdop", weakref)]
 #[derive(Debug)]
 pub(crate) struct PyPlanningScene {
     scene: RwLock<PlanningScene>,
-    /// Memory of threads that are done.
+    /// Memory that no thread uses now.
     idle: Mutex<Vec<Workspace>>,
 }
 
-/// The memory of one thread, which goes back when it is dropped.
+/// The memory of one thread, which is returned when this is dropped.
 pub(crate) struct Borrowed<'s> {
     owner: &'s PyPlanningScene,
     workspace: Option<Workspace>,
@@ -57,6 +58,8 @@ impl PyPlanningScene {
         Self { scene: RwLock::new(scene), idle: Mutex::default() }
     }
 
+    /// Do not hold the lock while creating or reading Python objects: that can run other Python code, also on other
+    /// threads, which may wait for the scene in turn.
     pub(crate) fn read(&self) -> RwLockReadGuard<'_, PlanningScene> {
         self.scene.read().unwrap_or_else(PoisonError::into_inner)
     }
@@ -121,7 +124,7 @@ impl PyPlanningScene {
     }
 
     /// Add an object at a pose in the world, and return its number. Two fixed bodies are not tested against each other;
-    /// one that will be attached must not be fixed.
+    /// an object that will be attached must not be fixed.
     #[pyo3(signature = (name, body, pose = None, *, radius = 0.0, fixed = true))]
     fn add(
         &self,
@@ -149,8 +152,8 @@ impl PyPlanningScene {
         self.write().place(BodyId::from_bits(number), &world).or_raise()
     }
 
-    /// Attach an object to a link, as it stands while the joints have these values. It moves with the link, and may
-    /// touch the links named in ``touched``.
+    /// Attach an object to a link, at their relative pose when the joints have these values. It moves with the link,
+    /// and may touch the links named in ``touched``.
     #[pyo3(signature = (number, link, values, touched = vec![]))]
     fn attach(
         &self,
@@ -164,7 +167,7 @@ impl PyPlanningScene {
         self.write().attach(BodyId::from_bits(number), link, &values, &touched).or_raise()
     }
 
-    /// Detach an object, which stands at a pose in the world from then on.
+    /// Detach an object, and place it at a pose in the world.
     fn detach(&self, number: u64, pose: &Bound<'_, PyAny>) -> PyResult<()> {
         let world = self::pose(Some(pose), "pose")?;
         self.write().detach(BodyId::from_bits(number), &world).or_raise()
@@ -180,6 +183,20 @@ impl PyPlanningScene {
         self.write().forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b)).or_raise()
     }
 
+    /// Decide most configurations and edges by conservative bounds: verdicts stay the same, and queries of many
+    /// configurations or edges take a fraction of the time. The bounds use a grid of distances to what stands still,
+    /// with cells of this width in meters, such as 0.02, one byte each. The first call takes seconds for a robot with
+    /// many pairs of links.
+    fn use_bounds(&self, py: Python<'_>, cell: f64) -> PyResult<()> {
+        py.detach(|| self.write().use_bounds(cell)).or_raise()
+    }
+
+    /// Bytes of the cells of ``use_bounds``; None if the bounds do not apply.
+    #[getter]
+    fn bound_bytes(&self) -> Option<usize> {
+        self.read().bound_bytes()
+    }
+
     /// The number of the first body of a link.
     fn link(&self, name: &str) -> PyResult<u64> {
         Ok(self.read().link(name).or_raise()?.to_bits())
@@ -190,7 +207,7 @@ impl PyPlanningScene {
         self.read().name(BodyId::from_bits(number)).to_owned()
     }
 
-    /// A scene of its own, with the same robot and objects.
+    /// An independent scene with the same robot and objects.
     fn copy(&self) -> Self {
         Self::of(self.read().clone())
     }
@@ -198,7 +215,8 @@ impl PyPlanningScene {
     /// Lower and upper limits of the variables that are planned for, (n, 2).
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        table(py, self.read().limits().to_vec())
+        let limits = self.read().limits().to_vec();
+        table(py, limits)
     }
 
     /// The names of the joints of the variables that are planned for.
@@ -207,15 +225,18 @@ impl PyPlanningScene {
         self.read().variable_names().map(str::to_owned).collect()
     }
 
-    /// Whether each variable that is planned for is of a continuous joint, of which motions take the shorter way
-    /// around, (n,).
+    /// Whether each variable that is planned for belongs to a continuous joint, which rotates the shorter way around in
+    /// motions, (n,).
     #[getter]
     fn continuous<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        let scene = self.read();
-        array(py, (0..scene.variables()).map(|variable| scene.is_continuous(variable)).collect())
+        let continuous = {
+            let scene = self.read();
+            (0..scene.variables()).map(|variable| scene.is_continuous(variable)).collect()
+        };
+        array(py, continuous)
     }
 
-    /// The names of the robot's bodies: those of their links, with a number for all but the first of a link.
+    /// The names of the robot's bodies: those of their links, with a number for all but the first body of a link.
     #[getter]
     fn links(&self) -> Vec<String> {
         self.read().robot().names().to_vec()
@@ -253,8 +274,8 @@ impl PyPlanningScene {
         })
     }
 
-    /// Whether each of m configurations, (m, n), is free: an array of m booleans, computed on ``threads`` threads, 0 for
-    /// one per core.
+    /// Whether each of m configurations, (m, n), is free: an array of m booleans, computed on ``threads`` threads, 0
+    /// for one per core.
     #[pyo3(signature = (configurations, *, margin = 0.0, threads = 1))]
     fn free<'py>(
         &self,
@@ -263,7 +284,8 @@ impl PyPlanningScene {
         margin: f64,
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let rows = rows_of(configurations, self.read().variables(), "configurations")?;
+        let variables = self.read().variables();
+        let rows = rows_of(configurations, variables, "configurations")?;
         let free = py.detach(|| {
             let scene = self.read();
             all_with(&rows, threads, &|| self.workspace(&scene), &|workspace, values| {
@@ -283,13 +305,13 @@ impl PyPlanningScene {
         let (start, end) = (vector(start, "start")?, vector(end, "end")?);
         py.detach(|| {
             let scene = self.read();
-            Ok(scene.check_motion(self.workspace(&scene).get(), [&start, &end]).or_raise()?.is_free())
+            scene.is_motion_free(self.workspace(&scene).get(), [&start, &end]).or_raise()
         })
     }
 
-    /// Which share of the straight motion from one configuration to another, counted from its start, is free at all
-    /// times: 1 if all of it is; 0 if not even the start is. The motion to ``start + share * (end - start)`` is free,
-    /// and where it ends is at most 1/1024 of the whole before a time at which it is not known to be.
+    /// The fraction of the straight motion from one configuration to another, from its start, that is free at all
+    /// times: 1 for the whole motion, 0 if not even the start is free. The motion to ``start + share * (end - start)``
+    /// is free, and a time that is not known to be free follows after at most 1/1024 of the whole motion.
     fn free_share(&self, py: Python<'_>, start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>) -> PyResult<f64> {
         let (start, end) = (vector(start, "start")?, vector(end, "end")?);
         py.detach(|| {
@@ -317,7 +339,7 @@ impl PyPlanningScene {
         let free = py.detach(|| {
             let scene = self.read();
             all_with(&edges, threads, &|| self.workspace(&scene), &|workspace, (start, end)| {
-                Ok(scene.check_motion(workspace.get(), [start, end]).or_raise()?.is_free())
+                scene.is_motion_free(workspace.get(), [start, end]).or_raise()
             })
         })?;
         Ok(array(py, free))
@@ -326,8 +348,9 @@ impl PyPlanningScene {
     /// A path of straight motions from ``start``, (n,), to ``goal``, which are free at all times: (m, n)
     /// configurations, or None if none was found.
     ///
-    /// ``step`` is the longest motion by which the search grows, in the joints; it ends after ``configurations`` random
-    /// ones. Then ``shortcuts`` straight motions are tried. The same ``seed`` gives the same path on every machine.
+    /// ``step`` is the longest motion that extends a tree of the search, as a distance in joint space; the search ends
+    /// after ``configurations`` random ones. Then ``shortcuts`` straight motions are tried to shorten the path. The
+    /// same ``seed`` gives the same path on every machine.
     #[pyo3(signature = (start, goal, *, step = 1.0, configurations = 100_000, shortcuts = 100, seed = 1))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn plan<'py>(
@@ -369,9 +392,9 @@ impl PyPlanningScene {
         })
     }
 
-    /// Whether each of m points of the world, (m, 3), is within ``margin`` of the robot in a configuration, or inside of
-    /// it: what a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is
-    /// not finite is not near.
+    /// Whether each of m points of the world, (m, 3), is within ``margin`` of the robot in a configuration, or inside
+    /// it. Remove these points from a scan before it becomes an obstacle. Attached objects are parts of the robot. A
+    /// point that is not finite is not near.
     #[pyo3(signature = (values, points, *, margin = 0.0))]
     fn near_robot<'py>(
         &self,

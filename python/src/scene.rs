@@ -16,13 +16,13 @@ use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 /// Many bodies, each at a pose in the world.
 ///
-/// ``add`` returns the number by which a body is known. Verdicts are exact for the given world poses, up to the rounding
+/// ``add`` returns the number that identifies a body. Verdicts are exact for the given world poses, up to the rounding
 /// of relative poses, about 1e-14 of the coordinates: bodies closer than this count as meeting.
 #[pyclass(frozen, name = "Scene", module = "simdop", weakref)]
 #[derive(Debug, Default)]
 pub(crate) struct PyScene(RwLock<Placed>);
 
-/// A scene, and what it was made of.
+/// A scene, and the bodies that it was made of.
 #[derive(Clone, Debug, Default)]
 struct Placed {
     scene: Scene<'static, Node>,
@@ -135,7 +135,7 @@ impl PyScene {
     fn ask(&self, py: Python<'_>, question: Ask, other: Option<&Self>) -> PyResult<Told> {
         py.detach(|| match other {
             None => ask(&self.read().scene, question, |id| (false, id.to_bits())),
-            // Not at once, since the two may be the same.
+            // One after the other, since both may be one scene with one lock.
             Some(other) => ask_between(&self.members()?, &other.members()?, question),
         })
     }
@@ -157,9 +157,9 @@ impl PyScene {
 
     /// Add a body at a pose in the world, (4, 4), and return its number.
     ///
-    /// Two bodies meet if their distance is at most the sum of their radii. Two fixed bodies are not tested against each
-    /// other. ``of`` and ``against`` are bit sets: two bodies are tested if each is of a group that the other is tested
-    /// against.
+    /// Two bodies meet if their distance is at most the sum of their radii. Two fixed bodies are not tested against
+    /// each other. ``of`` and ``against`` are bit sets of groups: two bodies are tested if each is in a group that the
+    /// other is tested against.
     #[pyo3(signature = (body, pose = None, *, radius = 0.0, fixed = false, of = u32::MAX, against = u32::MAX))]
     fn add(
         &self,
@@ -233,7 +233,7 @@ impl PyScene {
         self.read().bodies.keys().copied().collect()
     }
 
-    /// A scene of its own, with the same bodies.
+    /// An independent scene with the same bodies.
     fn copy(&self) -> Self {
         Self(RwLock::new(self.read().clone()))
     }
@@ -245,8 +245,8 @@ impl PyScene {
         Ok(!self.hits(py, margin, 1, other.as_deref())?.is_empty())
     }
 
-    /// The pairs of bodies that come within ``margin`` of each other, by their numbers, each once: a list of two-tuples.
-    /// With ``other``, the second number is of the other scene.
+    /// The pairs of bodies that come within ``margin`` of each other, by their numbers, each once: a list of
+    /// two-tuples. With ``other``, the second number belongs to the other scene.
     #[pyo3(signature = (margin = 0.0, *, other = None))]
     fn pairs(
         &self,
@@ -332,8 +332,8 @@ impl PyClearance {
         self.nearest.witness.map(|(_, [a, b])| (array(py, a.to_vec()), array(py, b.to_vec())))
     }
 
-    /// In a planning scene, the derivative of the distance by each variable, (n,): zero without points, or if they
-    /// coincide. None in other scenes.
+    /// In a planning scene, the derivative of the distance with respect to each variable, (n,): zero without points, or
+    /// if they coincide. None in other scenes.
     #[getter]
     fn gradient<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gradient.as_ref().map(|gradient| array(py, gradient.clone()))

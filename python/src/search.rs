@@ -10,7 +10,7 @@ use simdop::Isa;
 use simdop::cloud::{List, Neighbour, PointCloud, Queries, Radii, SearchError, Seat};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
-/// Neighbours in a cloud of points, exactly: those that a loop over all points finds in single precision.
+/// Exact neighbours in a cloud of points: those that a loop over all points finds in single precision.
 ///
 /// Points (n, 3) are rounded to single precision. They may move: see ``refit``.
 #[pyclass(frozen, name = "RangeSearch", module = "simdop", weakref)]
@@ -38,7 +38,7 @@ fn in_order(lists: &[List], found: &[u32]) -> (Vec<i64>, Vec<u32>) {
     (offsets, indices)
 }
 
-/// An array of a length that the user decides.
+/// An array whose length the user decides: allocation may fail.
 fn filled<T: Clone>(length: usize, item: T) -> PyResult<Vec<T>> {
     let mut items = Vec::new();
     let no_room = |_| PyMemoryError::new_err(format!("there is no memory for {length} results"));
@@ -47,7 +47,7 @@ fn filled<T: Clone>(length: usize, item: T) -> PyResult<Vec<T>> {
     Ok(items)
 }
 
-/// Room for a first try.
+/// Capacity for the first try.
 const USUAL_NEIGHBOURS: usize = 32;
 
 fn fill(cloud: &PointCloud, queries: Option<&[[f32; 3]]>, radius: f32) -> PyResult<(Vec<i64>, Vec<u32>)> {
@@ -89,7 +89,7 @@ impl PyRangeSearch {
         py.detach(|| Ok(Self(RwLock::new(PointCloud::new(&points).or_raise()?))))
     }
 
-    /// All points within ``radius`` of each query, as CSR arrays: those of query i are
+    /// All points within ``radius`` of each query, as CSR arrays: the neighbours of query i are
     /// ``indices[offsets[i]:offsets[i + 1]]``, in an order that is the same on every machine.
     ///
     /// Queries are points (m, 3), by default the points of the cloud, each of which is its own neighbour. Returns
@@ -103,7 +103,7 @@ impl PyRangeSearch {
     ) -> PyResult<Csr<'py>> {
         let queries = queries.map(|queries| single_rows(queries, "queries")).transpose()?;
         let (offsets, indices) = match &queries {
-            // Without a query there is nothing to seat.
+            // Without a query there is nothing to search.
             Some(queries) if queries.is_empty() => (vec![0], vec![]),
             queries => py.detach(|| fill(&self.read(), queries.as_deref(), radius))?,
         };
@@ -130,7 +130,7 @@ impl PyRangeSearch {
 
     /// The ``k`` points nearest to each query, nearest first; of equally near ones those with the lowest indices.
     ///
-    /// Returns distances and indices, both (m, k). Where the cloud has fewer points, they are infinite and -1.
+    /// Returns distances and indices, both (m, k). If the cloud has fewer points, the rest is infinite and -1.
     #[pyo3(signature = (queries, k = 1, *, threads = 1))]
     fn nearest<'py>(
         &self,
@@ -143,7 +143,7 @@ impl PyRangeSearch {
         let found = py.detach(|| {
             let cloud = self.read();
             let view = cloud.view();
-            // No more than there are: k is the user's.
+            // No more than there are points, since k is the user's.
             let most = k.min(view.len());
             all(&queries, threads, &|point| {
                 let mut found = vec![Neighbour::NONE; most];
@@ -163,14 +163,14 @@ impl PyRangeSearch {
         Ok((array(py, distances).reshape(shape)?, array(py, indices).reshape(shape)?))
     }
 
-    /// Move all points, (n, 3) as before, and recompute the boxes of the tree, which stays. Returns how large these are
-    /// relative to those of a new tree: above about 2, ``rebuild`` pays.
+    /// Move all points, (n, 3) as before, and recompute the boxes of the tree, which keeps its structure. Returns the
+    /// largest growth factor of a box's volume since the tree was built: at about 10, ``rebuild`` pays.
     fn refit(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<f64> {
         let points = single_rows(points, "points")?;
         py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).refit(&points).or_raise())
     }
 
-    /// Build the tree again, after points have moved far.
+    /// Build a new tree, after points have moved far.
     fn rebuild(&self, py: Python<'_>) -> PyResult<()> {
         py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).rebuild().or_raise())
     }

@@ -1,4 +1,4 @@
-//! Signed clearances of scenes, with gradients in the joints.
+//! Signed clearances of scenes, with gradients with respect to the joints.
 
 use crate::arrays::{array, matrix, rows_of, vector};
 use crate::batch::all_with;
@@ -10,7 +10,6 @@ use crate::planning::PyPlanningScene;
 use crate::scene::PyScene;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use simdop::Pose;
 use simdop::scene::SceneSignedDistance;
 
 /// The least signed distance of two bodies of a scene: minus their depth where they meet.
@@ -23,47 +22,48 @@ pub(crate) struct PySignedClearance {
 
 #[pymethods]
 impl PySignedClearance {
-    /// Lower bound, in the bodies' unit; the cutoff if no two bodies are nearer. Of bodies that meet, minus the upper
-    /// bound of their depth.
+    /// Lower bound, in the bodies' unit; the cutoff if no two bodies are nearer. If bodies meet: minus the upper bound
+    /// of their depth.
     #[getter]
     const fn lower(&self) -> f64 {
         self.found.lower
     }
 
-    /// Upper bound: of bodies that meet, minus the lower bound of their depth. Infinite without bodies.
+    /// Upper bound. If bodies meet: minus the lower bound of their depth. Infinite without bodies.
     #[getter]
     const fn upper(&self) -> f64 {
         self.found.upper
     }
 
-    /// The numbers of the two bodies that are deepest in each other, or nearest if none meet; or None.
+    /// The numbers of the two bodies that penetrate each other the deepest, or of the nearest two if none meet; or
+    /// None.
     #[getter]
     fn bodies(&self) -> Option<(u64, u64)> {
         self.found.witness.map(|witness| (witness.hit.a.to_bits(), witness.hit.b.to_bits()))
     }
 
-    /// Their points in the world, without the bodies' radii, (3,) each, or None: the closest, or those that touch last
-    /// when the first body leaves the other along the normal.
+    /// Their points in the world, without the bodies' radii, (3,) each, or None: the closest, or the last ones in
+    /// contact while the first body moves out of the other along the normal.
     #[getter]
     #[expect(clippy::type_complexity, reason = "two arrays")]
     fn points<'py>(&self, py: Python<'py>) -> Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
         self.found.witness.map(|witness| (array(py, witness.a.to_vec()), array(py, witness.b.to_vec())))
     }
 
-    /// The unit vector in the world along which the first body leaves the other, (3,), or None. Zeros if it is unknown.
+    /// The unit vector in the world along which the first body moves out of the other, (3,), or None. Zeros if unknown.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.found.witness.map(|witness| array(py, witness.normal.to_vec()))
     }
 
-    /// In a planning scene, the derivative of the signed distance by each variable, (n,): zero without bodies. None in
-    /// other scenes.
+    /// In a planning scene, the derivative of the signed distance with respect to each variable, (n,): zero without
+    /// bodies. None in other scenes.
     #[getter]
     fn gradient<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gradient.as_ref().map(|gradient| array(py, gradient.clone()))
     }
 
-    /// The upper bound of a distance; the lower bound where bodies meet.
+    /// The upper bound of a distance; the lower bound if bodies meet.
     fn __float__(&self) -> f64 {
         value(&self.found)
     }
@@ -77,15 +77,15 @@ impl PySignedClearance {
     }
 }
 
-/// What the gradient is of.
+/// The number whose gradient is computed.
 const fn value(found: &SceneSignedDistance) -> f64 {
     if found.upper > 0.0 { found.upper } else { found.lower }
 }
 
 #[pymethods]
 impl PyScene {
-    /// The least signed distance of any two tested bodies, up to ``cutoff``: their distance, or minus the depth of
-    /// those that are deepest in each other. ``tolerance`` is that of ``Body.distance``, ``budget`` that of
+    /// The least signed distance of any two tested bodies, up to ``cutoff``: the least distance, or if bodies meet,
+    /// minus the greatest penetration depth. ``tolerance`` is that of ``Body.distance``, ``budget`` that of
     /// ``Body.depth``, for all pairs together.
     #[pyo3(signature = (*, tolerance = 0.0, cutoff = f64::INFINITY, budget = None))]
     fn signed_clearance(
@@ -112,7 +112,7 @@ type Placed<'py> = (String, PyBody, Bound<'py, PyArray2<f64>>);
 #[pymethods]
 impl PyPlanningScene {
     /// The least signed distance of any two tested bodies at a configuration, (n,), up to ``cutoff``, with its
-    /// gradient: their distance, or minus the depth of those that are deepest in each other. ``tolerance`` is that of
+    /// gradient: the least distance, or if bodies meet, minus the greatest penetration depth. ``tolerance`` is that of
     /// ``Body.distance``.
     ///
     /// Raises ``PlanningError``, ``ArrayError`` or ``TypeError``.
@@ -138,7 +138,7 @@ impl PyPlanningScene {
     /// ``signed_clearance`` of m configurations, (m, n), for an optimiser: the values, (m,), and their gradients,
     /// (m, n).
     ///
-    /// A value is the upper bound of a distance, or the lower one where bodies meet, and the cutoff where no two are
+    /// A value is the upper bound of a distance, the lower bound if bodies meet, or the cutoff if no two bodies are
     /// nearer. Computed on ``threads`` threads, 0 for one per core.
     #[pyo3(signature = (configurations, *, tolerance = 0.0, cutoff = f64::INFINITY, threads = 1))]
     fn signed_clearances<'py>(
@@ -167,16 +167,16 @@ impl PyPlanningScene {
         Ok((array(py, values), array(py, gradients.concat()).reshape(shape)?))
     }
 
-    /// All bodies as they stand at a configuration, (n,): a list of names, bodies and poses in the world, (4, 4); first
-    /// those of the robot, in the order of ``links``, then the objects. For pictures.
+    /// All bodies at their poses in a configuration, (n,): a list of names, bodies and poses in the world, (4, 4);
+    /// first those of the robot, in the order of ``links``, then the objects. For pictures.
     fn placed<'py>(&self, py: Python<'py>, values: &Bound<'py, PyAny>) -> PyResult<Vec<Placed<'py>>> {
         let values = vector(values, "values")?;
-        let scene = self.read();
-        let mut memory = self.workspace(&scene);
-        let placed = scene.placed(memory.get(), &values).or_raise()?;
-        let named = |(id, tree, pose): (_, _, Pose)| {
-            (scene.name(id).to_owned(), PyBody::from(Geometry::of_tree(tree)), matrix(py, &pose))
+        let placed: Vec<_> = {
+            let scene = self.read();
+            let placed = scene.placed(self.workspace(&scene).get(), &values).or_raise()?;
+            placed.into_iter().map(|(id, tree, pose)| (scene.name(id).to_owned(), tree, pose)).collect()
         };
-        Ok(placed.into_iter().map(named).collect())
+        let body = |tree| PyBody::from(Geometry::of_tree(tree));
+        Ok(placed.into_iter().map(|(name, tree, pose)| (name, body(tree), matrix(py, &pose))).collect())
     }
 }

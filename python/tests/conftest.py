@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""Fixtures of all tests."""
 
 import os
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture
 def rng() -> np.random.Generator:
-    """Random numbers, the same in each run."""
+    """A random generator, with the same numbers in each run."""
     return np.random.default_rng(7)
 
 

@@ -15,7 +15,7 @@ Point = tuple[Fraction, Fraction, Fraction]
 
 
 def moved(points: Floats, pose: Floats) -> Floats:
-    """Points at a pose, each coordinate as ((r0 x + r1 y) + r2 z) + t: the corners that verdicts are exact for."""
+    """Points at a pose, each coordinate as ((r0 x + r1 y) + r2 z) + t: verdicts are exact for these corners."""
     x, y, z = points.T
     rows = [((row[0] * x + row[1] * y) + row[2] * z) + row[3] for row in pose[:3]]
     return np.stack(rows, axis=-1)
@@ -43,7 +43,7 @@ def triangles_meet(a: Floats, b: Floats) -> bool:
     edges_p = [_minus(p[(i + 1) % 3], p[i]) for i in range(3)]
     edges_q = [_minus(q[(i + 1) % 3], q[i]) for i in range(3)]
     normals = [_cross(edges_p[0], edges_p[1]), _cross(edges_q[0], edges_q[1])]
-    # In a common plane the edges' normals within it separate; of degenerate triangles the edges themselves may.
+    # In a common plane, the edges' normals within it separate; for degenerate triangles, the edges themselves may.
     axes = [*normals, *edges_p, *edges_q]
     axes += [_cross(e, f) for e, f in product(edges_p, edges_q)]
     axes += [_cross(n, e) for n in normals for e in (*edges_p, *edges_q)]
@@ -60,7 +60,7 @@ def meeting_pairs(a: Mesh, b: Mesh, pose: Floats) -> set[tuple[int, int]]:
     found = set()
     for i, p in enumerate(corners_a):
         for j, q in enumerate(corners_b):
-            # Boxes that are apart are exact, too.
+            # This test of boxes is exact, too.
             if (p.max(0) < q.min(0)).any() or (q.max(0) < p.min(0)).any():
                 continue
             if triangles_meet(p, q):
@@ -120,7 +120,7 @@ def neighbours(points: NDArray[np.float32], query: NDArray[np.float32], radius: 
 
 
 def nearest(points: NDArray[np.float32], query: NDArray[np.float32], k: int) -> Sequence[int]:
-    """The k nearest points, of equally near ones those with the lowest indices."""
+    """The k nearest points; among equally near ones, those with the lowest indices."""
     d = points - query
     squares = (d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1]) + d[:, 2] * d[:, 2]
     return [int(i) for i in np.argsort(squares, kind="stable")[:k]]

@@ -1,7 +1,7 @@
 """Run the tests of python-fcl and trimesh against the drop-ins: ``python peers.py FILE...``.
 
-``FILE`` is a test file of either, in its own folder: of trimesh beside its ``generic.py`` and ``../models``. Imports of
-``fcl`` get ``simdop.fcl``, and ``trimesh.collision`` has simdop's manager.
+``FILE`` is a test file of either, in its original folder: trimesh's need ``generic.py`` beside them, and ``../models``.
+Imports of ``fcl`` get ``simdop.fcl``, and ``trimesh.collision`` has simdop's manager.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ def box(x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Mesh:
 
 
 def ball(levels: int = 2, bump: float = 0.0) -> Mesh:
-    """An octahedron whose triangles are divided in four, on the unit sphere; ``bump`` makes it uneven."""
+    """An octahedron, its triangles split in four and projected to the unit sphere; ``bump`` makes it uneven."""
     vertices = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
     points = [np.array(v, float) for v in vertices]
     faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]

@@ -33,7 +33,7 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def strided(array: NDArray[Any]) -> NDArray[Any]:
-    """Every second row of an array whose other rows are something else."""
+    """Every second row of an array whose other rows hold other values."""
     table = np.full((2 * len(array), *array.shape[1:]), 77).astype(array.dtype)
     table[::2] = array
     return table[::2]

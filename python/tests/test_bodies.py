@@ -1,4 +1,4 @@
-"""Bodies: what they are made of, and how they are stored."""
+"""Bodies: their contents, and how they are stored."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TREES = {
 
 
 def same(a: Body, b: Body) -> bool:
-    """Whether two bodies have the same numbers, by their text and bytes."""
+    """Whether two bodies are equal, by their text and bytes."""
     bytes_of = [body.to_bytes() if body.nbytes else b"" for body in (a, b)]
     return a.kind == b.kind and repr(a) == repr(b) and bytes_of[0] == bytes_of[1]
 
@@ -150,7 +150,7 @@ def test_covers_contain_the_mesh(rng: np.random.Generator) -> None:
     for cover, points in [(body.cover(0.2), inside), (body.cover(0.2, solid=False), on_top)]:
         gaps = np.linalg.norm(points[:, None] - cover.centres, axis=2) - cover.radii
         assert gaps.min(axis=1).max() <= 1e-9
-        # A point of a sphere is at most the error outside.
+        # A point of a sphere is outside by at most the error.
         outside = np.maximum(np.abs(cover.centres) - 0.5, 0.0)
         assert (np.linalg.norm(outside, axis=1) + cover.radii).max() <= 1.0
     with pytest.raises(simdop.CoverError):

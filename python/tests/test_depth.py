@@ -19,7 +19,7 @@ CUBE = Body(*box(), solid=True)
 
 
 def depth_of_hulls(a: Floats, b: Floats) -> float:
-    """The depth of two hulls: how far the origin is inside of their Minkowski difference; 0 outside."""
+    """The depth of two hulls: how far the origin is inside their Minkowski difference; 0 outside."""
     difference = (a[:, None, :] - b[None, :, :]).reshape(-1, 3)
     return max(float(-ConvexHull(difference).equations[:, 3].max()), 0.0)
 
@@ -64,7 +64,7 @@ def test_hulls_have_the_depth_of_their_difference(rng: np.random.Generator) -> N
         meeting += expected > 0.0
         if expected > 0.0:
             assert signed.lower == pytest.approx(-expected, abs=1e-11)
-            # Moved by the translation, they are apart by no more than rounding.
+            # After the translation, slightly lengthened for rounding, they do not meet.
             out = pose.copy()
             out[:3, 3] += found.translation * (1 + 1e-9)
             assert not first.collide(second, out)

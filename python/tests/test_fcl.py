@@ -25,7 +25,7 @@ def mesh(library: Any, vertices: Any, faces: Any) -> Any:
 
 
 def geometries(library: Any) -> dict[str, Any]:
-    """The same geometries of either library."""
+    """The same geometries in either library."""
     faces = np.array([[4, *quad] for quad in QUADS]).ravel()
     return {
         "box": library.Box(1.0, 0.8, 0.6),
@@ -51,7 +51,7 @@ def test_verdicts_and_distances_are_those_of_python_fcl(a: str, b: str, rng: np.
         his = peer.CollisionObject(THEIRS[a], peer.Transform(rotation, shift)), peer.CollisionObject(THEIRS[b])
         result = fcl.DistanceResult()
         found = fcl.distance(*mine, fcl.DistanceRequest(True), result)
-        # A convex solid around a whole mesh is a hit here, and the mesh's surface is free of what is inside.
+        # Here, a convex solid that contains a whole mesh is a hit; a mesh's surface does not meet what it contains.
         expected = peer.distance(*his, peer.DistanceRequest(True), peer.DistanceResult())
         if abs(expected) > 1e-4:
             assert (fcl.collide(*mine) > 0) is (peer.collide(*his) > 0)
@@ -85,7 +85,7 @@ def test_depths_have_closed_forms() -> None:
             assert fcl.distance(*pair, request, result) == pytest.approx(-depth, abs=1e-6)
             found = fcl.CollisionResult()
             fcl.collide(*pair, fcl.CollisionRequest(1, True), found)
-            # Moved apart along the normal they touch; moved a bit less, they still meet.
+            # Moved apart by the depth along the normal, they touch; moved a bit less, they still meet.
             contact = found.contacts[0]
             assert contact.penetration_depth == pytest.approx(depth, abs=1e-6)
             for scale, meets in [(1 + 1e-4, False), (1 - 1e-4, True)]:
@@ -118,7 +118,7 @@ def test_motions_stop_at_contact() -> None:
         assert found == pytest.approx(expected, abs=1e-3)
         assert found <= expected
         assert result.is_collide is (expected < 1.0)
-    # A bar that turns a quarter about z sweeps over a ball beside it.
+    # A bar that rotates by a quarter turn about z sweeps over a ball beside it.
     bar = fcl.CollisionObject(fcl.Box(4, 0.1, 0.1))
     aside = fcl.CollisionObject(fcl.Sphere(0.25), fcl.Transform(np.array([1.0, 1.0, 0])))
     turned = fcl.Transform(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]))

@@ -88,7 +88,7 @@ def test_motions_are_certified_and_not_sampled(arm: PlanningScene, rng: np.rando
             partly += share > 0.0 and arm.edge_is_free(start, joints.values(last))
             assert share == 0.0 or arm.edge_is_free(start, joints.values(last))
         assert validator.checkMotionWithLastValid(s, e, None) == (is_valid, share)
-    # What samples take for free, though the arm sweeps over the post.
+    # Samples find this free, though the arm sweeps over the post.
     assert missed > 5
     assert partly > 20
     outside = joints.state([0.0, 3.5])
@@ -118,7 +118,7 @@ def test_continuous_joints_take_the_shorter_way(tmp_path: Path, rng: np.random.G
     assert scene.variables == ["lift", "axle"]
     assert scene.continuous.tolist() == [False, True]
     si, joints = ompl.space_information(scene)
-    # Behind, from 3 to -3, the box ahead is not in the way.
+    # From 3 to -3 the spoke turns behind the hub, where the box ahead is not in the way.
     assert si.checkMotion(joints.state([0.0, 3.0]), joints.state([0.0, -3.0]))
     assert not si.checkMotion(joints.state([0.0, 1.0]), joints.state([0.0, -1.0]))
     for q in rng.uniform([-1, -9], [1, 9], size=(50, 2)):

@@ -71,6 +71,23 @@ def test_configurations_are_those_of_a_scene(files: tuple[Path, Path], rng: np.r
         assert (planning.free(many, threads=threads) == free).all()
 
 
+def test_bounds_change_no_verdict(files: tuple[Path, Path], rng: np.random.Generator) -> None:
+    planning = PlanningScene(*files)
+    planning.add("post", Body.cylinder(0.4, 1.0), at(1.2, 0.8))
+    assert planning.bound_bytes is None
+    many, ends = (rng.uniform(-3, 3, size=(500, 2)) for _ in range(2))
+    free, edges = planning.free(many), planning.free_edges(many, ends)
+    assert {*free} == {*edges} == {True, False}
+    planning.use_bounds(0.02)
+    assert planning.bound_bytes
+    assert (planning.free(many) == free).all()
+    assert (planning.free_edges(many, ends) == edges).all()
+    assert [planning.edge_is_free(*edge) for edge in zip(many, ends, strict=True)] == edges.tolist()
+    for cell in (0.0, -1.0, np.nan):
+        with pytest.raises(ValueError, match="cell"):
+            planning.use_bounds(cell)
+
+
 def test_points_near_the_robot_are_those_of_closed_forms(files: tuple[Path, Path], rng: np.random.Generator) -> None:
     planning = PlanningScene(*files)
     planning.add("post", Body.cylinder(0.4, 1.0), at(1.2, 0.8))

@@ -1,4 +1,4 @@
-"""Figures are not blank, and say what is missing."""
+"""Figures are not blank, and missing packages are named."""
 
 from __future__ import annotations
 

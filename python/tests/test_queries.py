@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import threading
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -113,7 +109,7 @@ def test_every_kind_against_every_other(a: str, b: str) -> None:
             with pytest.raises(simdop.BodyError, match="two clouds"):
                 ask(KINDS[b])
         return
-    # All reach from -1/2 to 1/2 along x, so that they touch at 1.
+    # All extend from -1/2 to 1/2 along x, so that they touch at a distance of 1.
     for x, gap in [(0.75, 0.0), (1.25, 0.25), (-1.5, 0.5)]:
         found = KINDS[a].distance(KINDS[b], at(x))
         assert found.upper == pytest.approx(gap, abs=1e-12)
@@ -166,46 +162,6 @@ def test_packings_share_volume_as_boxes_do() -> None:
     assert whole == pytest.approx(filled, rel=1e-9)
     half = packed.penetration(packed, at(0.5)).volume
     assert 0.25 < half < 0.5
-
-
-def test_threads_share_a_body(rng: np.random.Generator) -> None:
-    a, b, many = Body(*SMALL), Body(*UNEVEN), poses(rng, 2000, 3.0)
-    expected = a.distance(b, many).upper
-    results: list[Any] = [None] * 4
-
-    def work(i: int) -> None:
-        results[i] = a.distance(b, many).upper
-
-    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert all(np.array_equal(result, expected) for result in results)
-
-
-def test_the_interpreter_runs_on_during_a_query(rng: np.random.Generator) -> None:
-    a, b, many = Body(*ball(2, 0.05)), Body(*ball(2, 0.03)), poses(rng, 2000, 3.0)
-    interval, ended, seen = sys.getswitchinterval(), threading.Event(), False
-
-    def work() -> None:
-        a.distance(b, many)
-        ended.set()
-
-    # So that this thread runs only where the other gives up the lock by itself.
-    sys.setswitchinterval(1000.0)
-    try:
-        for _ in range(10):
-            ended.clear()
-            thread = threading.Thread(target=work)
-            thread.start()
-            seen = not ended.is_set()
-            thread.join()
-            if seen:
-                break
-    finally:
-        sys.setswitchinterval(interval)
-    assert seen
 
 
 def test_answers_have_texts() -> None:

@@ -1,4 +1,4 @@
-"""What viser shows is where the bodies are."""
+"""viser shows the bodies where they are."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_slider_moves_the_robot_along_its_path(server: Any, tmp_path: Path) ->
     view.path(scene, path, server=server)
     assert list(shown(server)) == ["/upper", "/lower", "/objects/0/post", "/objects/1/post"]
     (slider,) = (handle for handle in server.gui._gui_input_handle_from_uuid.values() if handle.label == "path")
-    # A quarter of the length is its first corner; at five eighths the elbow has made half of its way.
+    # The first corner is at a quarter of the length; at five eighths, the elbow is halfway.
     for value, values in [(0.25, path[1]), (0.625, [1.0, 1.5]), (1.0, path[2]), (0.0, path[0])]:
         slider.value = value
         poses = {f"/{name}": pose for name, _, pose in scene.placed(values)}

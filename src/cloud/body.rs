@@ -69,10 +69,11 @@ const STACK: usize = MAX_DEPTH * 15 + 16;
 pub(super) const ROUNDING: f64 = power_of_two(-44);
 
 impl RangeSearch {
-    /// The first point of the cloud, in the order of the buckets, that is within `margin` of a body placed by `pose`
-    /// in the cloud's frame, with a primitive that it is near; `None` if there is none. Touching counts. Spheres are
-    /// solid balls. A mesh is a surface unless it is [solid](crate::construct::Builder::solid); points inside a solid
-    /// count as near, each reported with one of the triangles that a ray from the point crosses.
+    /// Finds the first point of the cloud, in the order of the buckets, that is within `margin` of a body placed by
+    /// `pose` in the cloud's frame. Returns it with a nearby primitive of the body, or `None` if no point is near.
+    /// Touching counts. Spheres are solid balls. A mesh is a surface unless it is
+    /// [solid](crate::construct::Builder::solid); points inside a solid count as near, each reported with one of the
+    /// triangles that a ray from the point crosses.
     ///
     /// The verdict is exact for the stored points and for the body's vertices or centres as moved by [`Pose::apply`],
     /// as in [`Query::within`](crate::query::Query::within). Unlike the other searches, this one does not round
@@ -112,9 +113,9 @@ impl RangeSearch {
         Ok(answer.hit().map(|Pair { a, b }| Contact { primitive: a, point: b }))
     }
 
-    /// The first point of the cloud, in the order of the buckets, that is within `margin` of a shape placed by `pose` in
-    /// the cloud's frame; `None` if there is none. Touching counts, and so does being inside. As
-    /// [`RangeSearch::body_within`] with a body of one primitive, but without a tree and with half-spaces, too.
+    /// Finds the first point of the cloud, in the order of the buckets, that is within `margin` of a shape placed by
+    /// `pose` in the cloud's frame; `None` if no point is near. Touching points and points inside count. Works as
+    /// [`RangeSearch::body_within`] with a body of one primitive, but needs no tree and also accepts half-spaces.
     ///
     /// # Errors
     /// [`SearchError::Radius`] if the margin is negative, NaN or infinite.

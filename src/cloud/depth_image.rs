@@ -7,8 +7,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// A pinhole camera that looks along z, with x to the right and y down. All numbers are in pixels; the first pixel of the
-/// image has its centre at (0, 0).
+/// A pinhole camera that looks along z, with x to the right and y down. All numbers are in pixels; the first pixel of
+/// the image has its centre at (0, 0).
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Pinhole {
     /// Focal lengths along x and y.
@@ -56,7 +56,7 @@ impl fmt::Display for DepthImageError {
 impl core::error::Error for DepthImageError {}
 
 impl<'a> DepthImage<'a> {
-    /// An image of `width` pixels a row. All positive finite depths count.
+    /// An image with `width` pixels per row. All positive finite depths count.
     ///
     /// # Errors
     /// [`DepthImageError`].
@@ -71,7 +71,7 @@ impl<'a> DepthImage<'a> {
         Ok(Self { depths, width, camera, range: [f32::MIN_POSITIVE, f32::MAX] })
     }
 
-    /// With depths from `near` to `far` only.
+    /// Ignores depths outside `near..=far`.
     ///
     /// # Errors
     /// [`DepthImageError::Range`].
@@ -83,8 +83,8 @@ impl<'a> DepthImage<'a> {
         }
     }
 
-    /// The points that the pixels show, with the camera at a pose in the world, rounded to `f32`. Pixels without a depth
-    /// in the range, which cameras mark by 0 or NaN, show none.
+    /// The points that the pixels show, for a camera at a pose in the world, rounded to `f32`. Pixels whose depth is
+    /// out of range are skipped; cameras mark missing depths by 0 or NaN.
     pub fn points(&self, camera: &Pose) -> impl Iterator<Item = [f32; 3]> + use<'a> {
         let (Self { depths, width, camera: Pinhole { focal, centre }, range: [near, far] }, at) =
             (*self, *camera);
@@ -98,8 +98,8 @@ impl<'a> DepthImage<'a> {
         )
     }
 
-    /// A cloud of these points. With a `cell` above 0, each cube of a grid with this edge keeps its first point only: each
-    /// point left out is less than `sqrt(3) * cell` from one that was kept.
+    /// A cloud of these points. If `cell` is above 0, each cube of a grid with this edge length keeps only its first
+    /// point: each dropped point is less than `sqrt(3) * cell` from one that was kept.
     ///
     /// # Errors
     /// [`CloudError`]: too many points, or one beyond the range of `f32`.
@@ -112,11 +112,11 @@ impl<'a> DepthImage<'a> {
 
 /// The cubes of a grid that hold a point: a hash table with linear probing.
 struct CubeGrid {
-    /// Points in each unit of length; 0 without a grid.
+    /// Cubes per unit of length; 0 without a grid.
     scale: f32,
     cubes: Vec<Option<[i32; 3]>>,
     used: usize,
-    /// That of the last point: pixels beside each other are often in one.
+    /// The cube of the last point: adjacent pixels often share one.
     last: Option<[i32; 3]>,
 }
 
@@ -128,7 +128,7 @@ impl CubeGrid {
 
     /// Whether a point is the first of its cube.
     fn is_first(&mut self, point: &[f32; 3]) -> bool {
-        /// Cubes farther out have no number: all their points are kept.
+        /// Cubes farther out are not numbered: all their points are kept.
         const MOST: f32 = 1e9;
         let scaled = point.map(|x| libm::floorf(x * self.scale));
         if self.scale <= 0.0 || !scaled.iter().all(|x| x.abs() < MOST) {
@@ -153,7 +153,7 @@ impl CubeGrid {
         is_first
     }
 
-    /// Where a cube is, or belongs.
+    /// The slot of a cube, or the free slot where it belongs.
     fn place(&self, cube: &[i32; 3]) -> usize {
         let mask = self.cubes.len() - 1;
         let mixed = cube.iter().fold(0_u64, |hash, x| {

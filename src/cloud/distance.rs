@@ -119,8 +119,8 @@ impl CloudRef<'_> {
     }
 }
 
-/// Finds the distance by searches with shrinking margins. A search returns nothing if nothing is within the margin, and
-/// no separation if the budget was spent.
+/// Finds the distance by searches with shrinking margins. A search returns `None` if nothing is within the margin, and
+/// `Some(None)` if the budget was spent.
 fn shrinking(
     is_empty: bool,
     tight: f64,
@@ -141,7 +141,8 @@ fn shrinking(
     let mut margin = cutoff.min(FARTHEST);
     while let Some(near) = search(margin, &mut found.stats) {
         let Some((pair, Separation { lower, upper, a, b })) = near else { return out_of_budget(found) };
-        // A pair whose own bounds are wider than the tolerance is found again: the next margin is below them.
+        // Put the next margin below the bounds of this pair. Otherwise a pair whose bounds are wider than the
+        // tolerance would be found again.
         let mut next = f64::max(0.5 * margin, if lower < margin { lower / (1.0 + WIDE) } else { 0.0 });
         if upper < found.upper {
             found.upper = upper;
@@ -158,7 +159,7 @@ fn shrinking(
     found
 }
 
-/// How far below a pair's lower bound a margin has to be, relatively, for the pair to be certainly beyond it.
+/// A pair is certainly beyond a margin that is below the pair's lower bound by this relative amount.
 const WIDE: f64 = crate::exact::power_of_two(-32);
 
 fn out_of_budget(found: Distance) -> Distance {

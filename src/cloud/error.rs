@@ -57,7 +57,7 @@ impl fmt::Display for CloudError {
             Self::Point { index } => write!(f, "point {index} has a coordinate that is not finite"),
             Self::Memory { what, have, need } => write!(f, "{have} {what} were given, {need} are needed"),
             Self::Positions { have, need } => write!(f, "{have} positions for {need} indices"),
-            Self::Index { index } => write!(f, "point {index} cannot be: there is one already, or none"),
+            Self::Index { index } => write!(f, "index {index} is out of range, taken, or without a point"),
             Self::Full => f.write_str("no bucket near the point has room"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
         }

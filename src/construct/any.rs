@@ -9,6 +9,7 @@ use crate::key::{Fixed, Half, StorageKind};
 #[cfg(feature = "all-nodes")]
 use crate::node::Node4;
 use crate::node::Node16;
+use crate::primitive::Sphere;
 use core::ops::ControlFlow;
 
 macro_rules! build_any {
@@ -19,8 +20,8 @@ macro_rules! build_any {
             /// at arity 16.
             ///
             /// # Errors
-            /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].
-            // Compiled where it is used: for all these node types.
+            /// [`BuildError::NodeType`] for any other node type; else as [`Builder::build_geometry`].
+            // Generic, so that it is compiled for all these node types only where it is used.
             #[inline]
             pub fn build_any<G: Geometry>(
                 &self,
@@ -33,6 +34,17 @@ macro_rules! build_any {
                         self.build_geometry::<$node<$k, $storage>, G>(geometry, observer).map(AnyBvh::$variant)
                     })*
                     _ => Err(BuildError::NodeType { node }),
+                }
+            }
+
+            /// [`Builder::add_packing`] with a node type known only at run time.
+            ///
+            /// # Errors
+            /// As [`Builder::add_packing`].
+            #[inline]
+            pub fn add_packing_any(&self, tree: &AnyBvh, spheres: &[Sphere]) -> Result<AnyBvh, BuildError> {
+                match tree {
+                    $(AnyBvh::$variant(tree) => self.add_packing(tree, spheres).map(AnyBvh::$variant),)*
                 }
             }
         }

@@ -98,7 +98,11 @@ impl Builder {
         Self { has_balls: false, ..self }
     }
 
-    /// The mesh bounds a solid. A body that lies wholly inside it, without touching its surface, is a hit of
+    pub(super) const fn with_balls(self) -> Self {
+        Self { has_balls: true, ..self }
+    }
+
+    /// Makes the mesh a solid. A body that lies wholly inside it, without touching its surface, is a hit of
     /// [`collide`](crate::query::Query::collide) and [`within`](crate::query::Query::within), and its distance is 0.
     /// Without this setting a mesh is a surface, and a body wholly inside it is free.
     ///
@@ -135,26 +139,26 @@ impl Builder {
     }
 
     /// [`Builder::solid`], for a mesh that need not be closed: holes of at most this width are capped. The width of a
-    /// hole is the greatest distance of two corners of its border, in the mesh's unit.
+    /// hole is the greatest distance between two corners of its border, in the mesh's unit.
     ///
-    /// The border of a mesh consists of the edges along which not as many triangles run in one direction as in the
-    /// other, after joining vertices with equal coordinates. It decomposes into loops, the holes: gaps between
+    /// The border of a mesh consists of the edges along which different numbers of triangles run in the two
+    /// directions, after joining vertices with equal coordinates. It decomposes into loops, the holes: gaps between
     /// triangles, but also the outlines of triangles that are oriented the wrong way, and of walls inside a solid, at
     /// whose edges three triangles meet. A cap is a fan of triangles from one corner of a loop to its edges: over a
     /// flat hole it is flat, and over any other it is the fan of least area.
     ///
-    /// Caps count for what is inside, and for nothing else:
+    /// Only the inside test uses caps:
     ///
     /// * A body is a hit if any point of it is inside or on a cap, even if it touches no triangle. The hit names a
     ///   primitive at the border of the hole, never a cap.
-    /// * Distances are those from the triangles of the mesh, and 0 for a body that is a hit. So a distance may drop to 0
-    ///   where a body reaches a cap. Neither [`within`](crate::query::Query::within) with a margin nor the radius of
-    ///   [a body in a scene](crate::scene::Body::with_radius) extends to caps.
+    /// * Distances are measured to the triangles of the mesh, and are 0 for a body that is a hit. So a distance may
+    ///   drop to 0 where a body reaches a cap. Neither [`within`](crate::query::Query::within) with a margin nor the
+    ///   radius of [a body in a scene](crate::scene::Body::with_radius) extends to caps.
     /// * [`check_motion`](crate::scene::Scene::check_motion) and
     ///   [`classify_pair`](crate::scene::Scene::classify_pair) never certify a motion through a cap as free.
     ///
-    /// [`BvhRef::cap_stats`](crate::hierarchy::BvhRef::cap_stats) reports what was capped. The bytes of a closed mesh
-    /// are those of [`Builder::solid`].
+    /// [`BvhRef::cap_stats`](crate::hierarchy::BvhRef::cap_stats) reports what was capped. A closed mesh gives the
+    /// same bytes as with [`Builder::solid`].
     ///
     /// ```
     /// use simdop::construct::{BuildError, OwnedMesh};
@@ -185,8 +189,8 @@ impl Builder {
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
     /// Planes have 16 bits across the whole mesh. Near a part whose triangles are smaller than 1/65,536 of the mesh's
-    /// width, such as a screw in a hall, a query tests most triangles of that part. Build such a part as a body of its
-    /// own.
+    /// width, such as a screw in a hall, a query tests most triangles of that part. Build such a part as a separate
+    /// body.
     ///
     /// The bytes are the same on every machine and, with the feature `rayon`, for any number of threads; a build uses
     /// those of the current pool. With any splitter, a build needs about 100 bytes per triangle besides the mesh and
@@ -206,8 +210,8 @@ impl Builder {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Builds the convex hull of points, with k = 18 and arity 16. It is [solid](Builder::solid), whatever the builder
-    /// says, unless the points are all in one plane. [`ConvexHull`] makes the mesh alone, for other node types.
+    /// Builds the convex hull of points, with k = 18 and arity 16. It is [solid](Builder::solid), whatever the
+    /// builder's setting, unless all points are in one plane. For other node types, [`ConvexHull`] makes the mesh.
     ///
     /// ```
     /// use simdop::primitive::Shape;
@@ -268,7 +272,7 @@ impl Builder {
     /// use simdop::{hierarchy::Bvh, node::Node4};
     ///
     /// let spheres = [0.0, 9.0, 1.0, 3.0, 2.0, 4.0].map(|x| Sphere { centre: [x, 0.0, 0.0], radius: 0.5 });
-    /// // The one that is far from the others alone, and two nodes of which the second has a leaf more.
+    /// // The sphere far from the others is alone; the rest is in two nodes, of which the second has one more leaf.
     /// let shape = Assignment { order: vec![1, 0, 2, 4, 3, 5], ends: vec![1, 3, 6, 6, 2, 3, 3, 3, 4, 5, 6, 6] };
     /// let tree: Bvh<Node4<18>, Spheres> =
     ///     Builder::new().build_assigned(&SphereSet { spheres: &spheres }, &shape)?;

@@ -61,11 +61,11 @@ impl core::error::Error for CoverError {}
 
 impl Mesh<'_> {
     /// Spheres that contain every point of the mesh, and no point farther than `error` from it, in its unit. If a body
-    /// of these spheres is free of others, so is the mesh, with certainty; if it hits, the others come within `error`
-    /// of the mesh. The spheres cover the surface only: a body wholly inside a closed mesh may be free of them.
-    /// [`Mesh::cover_solid`] covers the inside, too. Points are covered as triangles with three equal corners.
+    /// of these spheres is free, so is the mesh, certainly; if it is hit, the other body comes within `error` of the
+    /// mesh. The spheres cover the surface only: a body wholly inside a closed mesh may be free. [`Mesh::cover_solid`]
+    /// covers the interior, too. Points are covered as triangles with three equal corners.
     ///
-    /// The spheres are the same on every machine. An empty mesh has none.
+    /// The spheres are the same on every machine. An empty mesh gives none.
     ///
     /// ```
     /// use simdop::construct::{Builder, OwnedMesh, SphereSet};
@@ -182,7 +182,8 @@ impl Cover {
         Ok(Self { error, pad, pieces: pieces.into_iter().map(|(_, piece)| piece).collect(), cubes })
     }
 
-    /// Pieces whose middles are in the cubes around that of a point: all within the error of the point are among them.
+    /// Pieces whose middles are in a point's cube or its neighbours. They include all pieces within the error of the
+    /// point.
     fn around(&self, p: &Point) -> impl Iterator<Item = usize> + '_ {
         let [x, y, z] = p.map(|x| libm::floor(x / self.error) as i64);
         let end = |k: usize| self.cubes.get(k).map_or(self.pieces.len(), |(_, first)| *first);
@@ -196,7 +197,7 @@ impl Cover {
 
     fn spheres(mut self) -> Vec<Sphere> {
         let mut spheres = Vec::new();
-        // Distance from a point of the mesh, less the pads for the point and the mesh.
+        // Distance from a point of the mesh, minus the pads for the point and the mesh.
         let reach = (self.error - 4.0 * self.pad) * (1.0 - power_of_two(-40));
         for seed in 0..self.pieces.len() {
             if self.pieces[seed].is_held {
@@ -205,7 +206,7 @@ impl Cover {
             let is_near = |&i: &usize| self.pieces[seed].is_within(reach, &self.pieces[i].middle);
             let centres: Vec<usize> = self.around(&self.pieces[seed].middle).filter(is_near).collect();
             let tried = TRIED.min(centres.len());
-            // By area; by number if areas are zero, as for points.
+            // Compare by area, then by number, since areas may be zero, as for points.
             let (mut best, mut most) = (seed, (-1.0, 0));
             for k in 0..tried {
                 let centre = centres[k * centres.len() / tried];

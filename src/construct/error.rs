@@ -38,8 +38,8 @@ pub enum BuildError {
         /// Index of the primitive.
         index: usize,
     },
-    /// The mesh should be [solid](super::Builder::solid), but not as many triangles run along some edge in one
-    /// direction as in the other: there is a hole, or the triangles are not consistently oriented.
+    /// The mesh should be [solid](super::Builder::solid), but along some edge different numbers of triangles run in
+    /// the two directions: there is a hole, or the triangles are not consistently oriented.
     Open {
         /// The edge's two vertices; of vertices with equal coordinates, the first.
         edge: [u32; 2],
@@ -50,13 +50,13 @@ pub enum BuildError {
         /// Triangles that run from the second vertex to the first.
         backward: usize,
     },
-    /// A hole of the mesh is wider than [allowed](super::Builder::solid_with_caps): the widest of all.
+    /// A hole of the mesh is wider than [allowed](super::Builder::solid_with_caps). This is the widest hole.
     Hole {
         /// The two vertices of an edge at its border; of vertices with equal coordinates, the first.
         edge: [u32; 2],
         /// Their coordinates, in the body's unit.
         corners: [Point; 2],
-        /// Its width, the greatest distance of two corners of its border.
+        /// Its width, the greatest distance between two corners of its border.
         width: f64,
         /// The greatest width allowed.
         limit: f64,
@@ -81,6 +81,16 @@ pub enum BuildError {
     Assignment {
         /// What is wrong with it.
         problem: &'static str,
+    },
+    /// A packing cannot be [added](super::Builder::add_packing) to a tree.
+    Packing {
+        /// Why not.
+        problem: &'static str,
+    },
+    /// A sphere of a packing is not inside the solid.
+    NotInside {
+        /// Index of the sphere.
+        index: usize,
     },
     /// The observer of [`super::Builder::build_with`] stopped the build.
     Cancelled,
@@ -119,11 +129,15 @@ impl fmt::Display for BuildError {
             #[cfg(not(feature = "all-nodes"))]
             Self::NodeType { node } => write!(
                 f,
-                "no nodes of {node} at run time: k is 18 at arity 16; the feature `all-nodes` adds k = 6, 14 and 26, and \
-                 arity 4"
+                "no nodes of {node} at run time: k is 18 at arity 16; the feature `all-nodes` adds k = 6, 14 and 26, \
+                 and arity 4"
             ),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
+            Self::Packing { problem } => write!(f, "no packing can be added: {problem}"),
+            Self::NotInside { index } => {
+                write!(f, "sphere {index} of the packing is not inside of the solid")
+            }
             Self::Cancelled => f.write_str("the build was cancelled"),
         }
     }
@@ -131,7 +145,7 @@ impl fmt::Display for BuildError {
 
 impl core::error::Error for BuildError {}
 
-/// An edge along which not as many triangles run in one direction as in the other.
+/// An edge along which different numbers of triangles run in the two directions.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct OpenEdge {
     /// Its two vertices; of vertices with equal coordinates, the first.

@@ -1,8 +1,8 @@
 //! Construction: a splitter assigns primitives to lanes, level by level; then the planes of the nodes are computed, and
 //! the bytes are assembled.
 //!
-//! Splitters return only an [`Assignment`]. Planes, links, bytes and their order are made in one place, `bake`, so
-//! splitters or machines with equal assignments make equal bytes.
+//! Splitters return only an [`Assignment`]. Only `bake` makes planes, links and bytes, so equal assignments by
+//! different splitters or machines give equal bytes.
 
 mod any;
 mod bake;
@@ -14,6 +14,7 @@ mod error;
 pub mod gpu;
 mod hull;
 mod input;
+mod packing;
 mod split;
 
 pub use crate::primitive::shape::ShapeError;

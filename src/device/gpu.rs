@@ -54,7 +54,7 @@ impl Gpu {
         Self::with_device(device, queue)
     }
 
-    /// Uses an existing device, which may have other work too. 64-bit sums are native if its features include
+    /// Uses an existing device, which may run other work too. 64-bit sums are native if its features include
     /// `SHADER_INT64`. Its limits must be at least WebGPU's defaults for compute shaders.
     ///
     /// # Errors

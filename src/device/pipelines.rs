@@ -9,7 +9,7 @@ pub(crate) struct Program {
     pub(crate) label: &'static str,
     /// The variant of the source.
     pub(crate) variant: usize,
-    /// Of the variant, and whether 64-bit integers are native.
+    /// Called with the variant and whether 64-bit integers are native.
     pub(crate) source: fn(usize, bool) -> String,
     /// The entry points.
     pub(crate) kernels: Vec<&'static str>,

@@ -78,7 +78,7 @@ impl<const K: usize> Directions<K> {
     // In place, since the set-up takes the most stack of many queries.
     #[expect(
         clippy::needless_range_loop,
-        reason = "several columns share the index, not all of which is used"
+        reason = "one index into several columns, which are longer than the loop"
     )]
     #[cfg_attr(simdop_small, inline(never))]
     #[cfg_attr(not(simdop_small), inline(always))]

@@ -13,9 +13,9 @@ use core::fmt;
 
 // Functions over all of them are `inline`, so that they are compiled only where they are used.
 
-/// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
-/// `Variant Node arity k Storage`. Each is one more copy of every query, so that without the feature `all-nodes` there
-/// are two. k = 32 and most of arity 4, which no measurement recommends, are for generic code only.
+/// The single list of the node types that can be chosen at run time: passes `$with!` a dollar sign and rows of
+/// `Variant Node arity k Storage`. Each type compiles one more copy of every query, so without the feature `all-nodes`
+/// there are only two. k = 32 and most of arity 4, which no measurement recommends, are for generic code only.
 #[cfg(not(feature = "all-nodes"))]
 macro_rules! for_node_types {
     ($with:ident) => {
@@ -40,7 +40,8 @@ macro_rules! any_bvh {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
         /// A borrowed tree whose node type is known only at run time: k = 18 at arity 16, in fixed point or in half
         /// floats, and with the feature `all-nodes` k = 6, 14 and 26 and arity 4. [`with_bvh!`](crate::with_bvh) gives
-        /// the [`BvhRef`] in it. Of triangles, unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
+        /// the [`BvhRef`] in it. The primitives are triangles by default; [`Header::kind`] gives the kind of a baked
+        /// tree.
         #[derive(Debug)]
         pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
             $(#[doc = concat!(
@@ -181,7 +182,7 @@ impl<'a, P: Primitive> AnyBvhRef<'a, P> {
         }
     }
 
-    /// The tree's description: k and arity among it.
+    /// The tree's header, which includes k and arity.
     #[must_use]
     pub fn header(&self) -> &'a Header {
         with_bvh!(self, tree => tree.header())

@@ -43,8 +43,8 @@ pub struct Header {
     pub primitive_count: u32,
     /// Number of vertices.
     pub vertex_count: u32,
-    /// Number of degenerate triangles, whose corners are collinear or coincide. They are kept, and collide as the
-    /// segments or points they are.
+    /// Number of degenerate triangles, whose corners are collinear or coincide. They are kept, and collide as segments
+    /// or points.
     pub degenerate_count: u32,
     /// Centre of the frame, in the body's unit.
     pub centre: Point,
@@ -63,23 +63,25 @@ pub struct Header {
     pub rotation_growth: f32,
     /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
     pub root: Child,
-    /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`); of spheres 16 or 32.
+    /// Bytes per vertex: 12 (three `f32`) or 24 (three `f64`) for triangles, 16 or 32 for spheres.
     pub vertex_size: u16,
     /// 1 if the tree has normal slabs, else 0.
     pub has_normal_slabs: u16,
     /// 1 if the tree has bounding balls of its lanes, else 0.
     pub has_balls: u16,
     /// 1 if the triangles bound a solid, 0 if they are a surface. 0 for spheres, each of which is solid.
-    pub is_solid: u16,
-    /// Number of parts, connected components of the body, that have an entry at the end of the bytes: the index of one
-    /// primitive of the part. 0 for a body of a single part, which primitive 0 represents, and for spheres, each of
+    pub is_solid: u8,
+    /// 1 if the tree of a [packing](super::BvhRef::packing) follows, else 0.
+    pub has_packing: u8,
+    /// Number of parts (connected components of the body) with an entry after the source indices: the index of one
+    /// primitive of the part. 0 for a body with a single part, which primitive 0 represents, and for spheres, each of
     /// which is a part.
     pub part_count: u32,
     /// How planes are stored: [`Storage::CODE`](crate::low_level::key::Storage::CODE).
     pub storage: u16,
     /// Bytes of the tree of the [caps](super::BvhRef::caps), divided by 64; 0 if the solid has none.
     pub cap_lines: u16,
-    /// The greatest width of a hole that is capped, rounded up, in the unit of the frame; 0 without caps.
+    /// The greatest width of a capped hole, rounded up, in the unit of the frame; 0 without caps.
     pub cap_width: f32,
 }
 
@@ -110,7 +112,7 @@ pub enum FormatError {
         /// Arity found.
         arity: u16,
     },
-    /// The planes are stored otherwise than the type of tree has them.
+    /// The storage of the tree's planes differs from that of the requested node type.
     OtherStorage {
         /// The storage found: [`Header::storage`].
         storage: u16,
@@ -148,7 +150,7 @@ pub enum FormatError {
         /// Index of the vertex.
         index: u32,
     },
-    /// A primitive has the index of a vertex that does not exist.
+    /// A primitive refers to a vertex that does not exist.
     Primitive {
         /// Index of the primitive in leaf order.
         index: u32,
@@ -158,13 +160,18 @@ pub enum FormatError {
         /// Index of the primitive in leaf order.
         index: u32,
     },
-    /// The primitive of a part does not exist, or does not come after that of the part before.
+    /// The entry of a part is not the index of a primitive, or is not above the entry of the part before.
     Part {
         /// Index of the part.
         index: u32,
     },
     /// The tree of the caps is invalid, or does not belong to this tree.
     Caps {
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// The tree of the packing is invalid, or does not belong to this tree.
+    Packing {
         /// What is wrong.
         problem: &'static str,
     },
@@ -189,12 +196,13 @@ impl fmt::Display for FormatError {
             Self::Vertex { index } => write!(f, "vertex {index} is not finite or out of range"),
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::Source { index } => {
-                write!(f, "primitive {index} had an index that is not below the number of primitives")
+                write!(f, "primitive {index} has a source index that is not below the number of primitives")
             }
             Self::Part { index } => {
-                write!(f, "what stands for part {index} is no primitive, or out of order")
+                write!(f, "the entry of part {index} is not a primitive, or is out of order")
             }
             Self::Caps { problem } => write!(f, "the tree of the caps: {problem}"),
+            Self::Packing { problem } => write!(f, "the tree of the packing: {problem}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{FormatError, Header, MAGIC, VERSION};
 use crate::key::Storage;
 use crate::node::{Ball16, Node, NormalSlab};
-use crate::primitive::{Primitive, Store};
+use crate::primitive::{Primitive, Spheres, Store};
 use core::mem::offset_of;
 
 /// `?` for `Result` in constants, which do not support it.
@@ -26,8 +26,8 @@ pub(super) struct Layout {
     pub(super) records: Part,
     /// The source indices of the primitives, then one primitive of each part.
     pub(super) indices: Part,
-    /// The tree of the caps.
-    pub(super) caps: Part,
+    /// The tree of the caps, then that of the packing.
+    pub(super) attached: Part,
     pub(super) vertex_size: u16,
     /// Total length, a multiple of 64.
     pub(super) end: usize,
@@ -75,6 +75,45 @@ impl Layout {
     /// The layout of bytes that must be exactly one tree of these nodes and primitives. Also used in constants, so it
     /// reads the header byte by byte.
     pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, FormatError> {
+        let mut layout = attempt!(Self::without_packing::<N, P>(bytes));
+        match bytes[offset_of!(Header, has_packing)] {
+            0 => {}
+            1 => {
+                let own = layout.end;
+                // The header of the packing has its length.
+                let need = own.saturating_add(size_of::<Header>());
+                if bytes.len() < need {
+                    return Err(FormatError::Truncated { have: bytes.len(), need });
+                }
+                let packing = bytes.split_at(own).1;
+                let len = match Self::without_packing::<N, Spheres>(packing) {
+                    Ok(layout) if packing[offset_of!(Header, has_packing)] == 0 => layout.end,
+                    _ => {
+                        return Err(FormatError::Packing {
+                            problem: "it is no tree of spheres of the same node type",
+                        });
+                    }
+                };
+                let Some(end) = own.checked_add(len) else {
+                    return Err(FormatError::Header { field: "counts overflow the address space" });
+                };
+                layout.attached.len += len;
+                layout.end = end;
+            }
+            _ => return Err(FormatError::Header { field: "has_packing" }),
+        }
+        let end = layout.end;
+        if bytes.len() < end {
+            return Err(FormatError::Truncated { have: bytes.len(), need: end });
+        }
+        if bytes.len() > end {
+            return Err(FormatError::TooLong { have: bytes.len(), need: end });
+        }
+        Ok(layout)
+    }
+
+    /// The layout of the tree at the start of some bytes. Only its header must be present.
+    const fn without_packing<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, FormatError> {
         attempt!(begins_as_a_tree(bytes));
         let kind = u16_at(bytes, offset_of!(Header, kind));
         if kind != P::KIND.code() {
@@ -97,7 +136,7 @@ impl Layout {
         if has_balls > 1 || has_balls == 1 && !(P::HAS_BALLS && N::ARITY == 16) {
             return Err(FormatError::Header { field: "has_balls" });
         }
-        let layout = attempt!(Self::of_counts::<N, P>(Counts {
+        Self::of_counts::<N, P>(Counts {
             nodes: u32_at(bytes, offset_of!(Header, node_count)),
             has_normal_slabs: u16_at(bytes, offset_of!(Header, has_normal_slabs)),
             has_balls,
@@ -106,18 +145,10 @@ impl Layout {
             primitives: u32_at(bytes, offset_of!(Header, primitive_count)),
             parts: u32_at(bytes, offset_of!(Header, part_count)),
             cap_lines: u16_at(bytes, offset_of!(Header, cap_lines)),
-        }));
-        let end = layout.end;
-        if bytes.len() < end {
-            return Err(FormatError::Truncated { have: bytes.len(), need: end });
-        }
-        if bytes.len() > end {
-            return Err(FormatError::TooLong { have: bytes.len(), need: end });
-        }
-        Ok(layout)
+        })
     }
 
-    /// The layout of a tree with these counts, with or without normal slabs and balls.
+    /// The layout of a tree with these counts, with or without normal slabs and balls; without a packing.
     pub(super) const fn of_counts<N: Node, P: Primitive>(counts: Counts) -> Result<Self, FormatError> {
         let Counts { nodes, has_normal_slabs, has_balls, vertices, vertex_size, .. } = counts;
         let Counts { primitives, parts, cap_lines, .. } = counts;
@@ -134,14 +165,14 @@ impl Layout {
         // No gap between the two.
         let parts = attempt!(indices.then(parts, 4, 4));
         indices.len += parts.len;
-        let caps = attempt!(indices.then(cap_lines as u32, 64, 64));
-        let end = caps.start + caps.len;
-        Ok(Self { nodes, normal_slabs, balls, vertices, records, indices, caps, vertex_size, end })
+        let attached = attempt!(indices.then(cap_lines as u32, 64, 64));
+        let end = attached.start + attached.len;
+        Ok(Self { nodes, normal_slabs, balls, vertices, records, indices, attached, vertex_size, end })
     }
 }
 
 impl Header {
-    /// The header of a baked tree of any node type, to find out which.
+    /// The header of a baked tree of any node type; it gives the node type.
     ///
     /// # Errors
     /// [`FormatError`] if the bytes are misaligned, too short, no tree or of another version.
@@ -154,7 +185,7 @@ impl Header {
     }
 }
 
-/// k, arity, and the codes of the storage and of the kind of primitive, of bytes of any alignment.
+/// k, arity, and the codes of the storage and of the kind of primitive, from bytes of any alignment.
 ///
 /// # Errors
 /// As [`Header::read`].

@@ -2,9 +2,10 @@
 //!
 //! A baked tree consists of a [`Header`]; the nodes in breadth-first order; the balls or the normal slabs of their
 //! lanes, if it has them; the vertices; the primitives in the order of the leaves (for a triangle the indices of its
-//! corners); for each primitive its **source index**, that is its index in the geometry that the tree was built from;
-//! for a body of several parts one primitive of each part; and for a solid with caps, the tree of these. All numbers
-//! are little-endian. Each part is aligned for its type, and the length is a multiple of 64 bytes.
+//! corners); for each primitive its **source index**, its index in the geometry that the tree was built from; for a
+//! body of several parts one primitive of each part; for a solid with caps, their tree; and for a solid with a
+//! packing, the tree of its spheres. All numbers are little-endian. Each part is aligned for its type, and the length
+//! is a multiple of 64 bytes.
 //!
 //! | type | the bytes | for |
 //! |---|---|---|
@@ -21,6 +22,7 @@ mod header;
 mod layout;
 #[cfg(feature = "alloc")]
 mod owned;
+mod packing;
 #[cfg(feature = "alloc")]
 mod rotation_growth;
 mod static_bvh;

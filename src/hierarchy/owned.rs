@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::{AsBvh, BvhRef, FormatError, Header};
 use crate::node::{Dop, Node};
-use crate::primitive::{Primitive, Triangles};
+use crate::primitive::{Primitive, Spheres, Triangles};
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 
@@ -41,7 +41,7 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
     /// [`FormatError`] if the bytes are not exactly one tree of this node type and these primitives, or are not safe to
     /// traverse.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        // Of the bytes given, since their copy is padded to whole lines.
+        // The layout of the given bytes, since their copy is padded to whole lines.
         let layout = Layout::of::<N, P>(bytes)?;
         let tree = Self { lines: in_lines(&[(64, bytes)]), layout, kind: PhantomData };
         BvhRef::<N, P>::from_bytes(tree.as_bytes())?;
@@ -50,7 +50,7 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
 }
 
 impl<N: Node, P: Primitive> Bvh<N, P> {
-    /// Concatenates parts, each with the alignment it needs, that are known to form a tree: those of the packer.
+    /// Concatenates the packer's parts, each with its alignment. They are known to form a tree.
     ///
     /// # Panics
     /// If they do not.
@@ -60,6 +60,18 @@ impl<N: Node, P: Primitive> Bvh<N, P> {
             Ok(layout) => Self { lines, layout, kind: PhantomData },
             Err(error) => unreachable!("the packer's parts are a tree: {error}"),
         }
+    }
+
+    /// The tree of a solid with its packing, if any, replaced by one that is known to be valid and inside.
+    pub(crate) fn with_packing(&self, packing: &Bvh<N, Spheres>) -> Self {
+        let bytes = self.as_bytes();
+        let own = &bytes[..bytes.len() - self.view().packing_bytes().len()];
+        let header = Header { has_packing: 1, ..*self.view().header() };
+        Self::assemble(&[
+            (64, bytemuck::bytes_of(&header)),
+            (1, &own[size_of::<Header>()..]),
+            (64, packing.as_bytes()),
+        ])
     }
 
     /// The baked tree: write this to a file or to flash.

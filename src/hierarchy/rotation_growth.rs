@@ -7,10 +7,10 @@ use crate::node::{Dop, Link};
 /// Number of levels of nodes that are measured.
 const LEVELS: usize = 3;
 
-/// How much wider the volumes of a tree become when they are rotated into another frame, in the unit of the tree's own:
-/// about the mean width of a child's slabs less the least of them. (A flat wall along an axis has one slab that is far
-/// thinner than the others; after a rotation all have the same width.) The result is the geometric mean over the first
-/// three levels of the arithmetic mean over a level's used lanes.
+/// How much wider the volumes of a tree become when they are rotated into another frame, in the unit of the tree's
+/// frame: about the mean width of a child's slabs minus the least width. (A flat wall along an axis has one slab that
+/// is far thinner than the others; after a rotation all have the same width.) The result is the geometric mean over
+/// the first three levels of the arithmetic mean over a level's used lanes.
 ///
 /// In `f32` and in a fixed order, so that every machine computes the same number.
 pub(crate) fn rotation_growth<N: Dop>(nodes: &[N]) -> f32 {
@@ -42,7 +42,7 @@ pub(crate) fn rotation_growth<N: Dop>(nodes: &[N]) -> f32 {
     })
 }
 
-/// The mean width of a child's slabs less the least.
+/// The mean width of a child's slabs minus the least width.
 fn excess<N: Dop>(node: &N, lane: usize) -> f32 {
     let lengths = table(N::K).lengths;
     let (mut sum, mut least) = (0.0, f32::INFINITY);

@@ -24,7 +24,7 @@ pub struct Stats {
     pub normal_slab_bytes: usize,
     /// Bytes of balls.
     pub ball_bytes: usize,
-    /// Bytes of the whole baked tree, with vertices, primitives, source indices and caps.
+    /// Bytes of the whole baked tree, with vertices, primitives, source indices, caps and packing.
     pub total_bytes: usize,
 }
 
@@ -34,6 +34,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
     pub fn stats(&self) -> Stats {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
         let h = self.header;
+        let packing_bytes = self.packing_bytes().len();
         let layout = Layout::of_counts::<N, P>(Counts {
             nodes: h.node_count,
             has_normal_slabs: h.has_normal_slabs,
@@ -53,7 +54,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             node_bytes: size_of_val(self.nodes),
             normal_slab_bytes: size_of_val(self.normal_slabs),
             ball_bytes: size_of_val(self.balls),
-            total_bytes: layout.map_or(0, |layout| layout.end),
+            total_bytes: layout.map_or(0, |layout| layout.end) + packing_bytes,
         }
     }
 }

@@ -11,19 +11,19 @@ pub struct TreeStats {
     /// Expected number of visits of a query against a copy of the tree that finds no hit, at a uniformly random motion
     /// for which the two root boxes meet.
     ///
-    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by Blaschke's
+    /// Given that the root boxes r meet, boxes a and b meet with probability mu(a, b) / mu(r, r), where by Blaschke's
     /// kinematic formula
     ///
     /// ```text
     /// mu(a, b) = 4 (V_a + V_b) + S_a m_b + S_b m_a          (times 2 pi^2)
     /// ```
     ///
-    /// with the volume V, the area S and the sum m of the three edges of a box. The result is the sum of that over all
-    /// pairs that a query can visit: pairs of nodes of one level, and pairs of a node and a leaf of the same or a
-    /// higher level, each leaf of one tree with each node of the other, counted twice. It is 1 for a single node. If
-    /// the root has no area, every pair counts as meeting.
+    /// with the volume V, the area S and the sum m of the three edges of a box. The result sums this probability over
+    /// all pairs that a query can visit: pairs of nodes of the same level, and pairs of a node with a leaf of the same
+    /// or a higher level of the other tree, counted twice since either tree may have the leaf. It is 1 for a single
+    /// node. If the root has no area, every pair counts as meeting.
     pub expected_visits: f64,
-    /// Sum of the areas of a node's lanes divided by the area of the node; mean over the nodes that have one.
+    /// Sum of the areas of a node's lanes divided by the area of the node; mean over the nodes with nonzero area.
     pub area_ratio: f64,
     /// Volume that two lanes of a node share, summed over pairs of lanes, divided by the sum of the lanes' volumes;
     /// mean over the nodes whose lanes have volume.
@@ -158,7 +158,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 
     fn lane_box(&self, node: u32, lane: usize) -> LaneBox {
-        // Codes, which are half a step below the planes: about what rounding up adds to a plane on average.
+        // Use the codes. They are half a step below the planes, about as much as rounding up adds on average.
         let plane = |j: usize| f64::from(self.nodes()[node as usize].plane(j, lane));
         core::array::from_fn(|axis| [-plane(2 * axis + 1), plane(2 * axis)])
     }

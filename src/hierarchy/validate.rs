@@ -1,12 +1,12 @@
 //! Validation: whether bytes are safe to traverse. Baked trees are untrusted input.
 
 use super::layout::Layout;
-use super::{BvhRef, FormatError, MAX_DEPTH};
+use super::{BvhRef, FormatError, Header, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, MAX_EXPONENT};
 use crate::key::{EMPTY, Key, Storage};
-use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
-use crate::primitive::{Fault, Primitive, Sphere, Store};
+use crate::node::{Ball16, BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, NormalSlab, Width};
+use crate::primitive::{Fault, Primitive, Sphere, Spheres, Store};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 use core::ops::Range;
 
@@ -21,7 +21,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     ///   ascend;
     /// * each plane of a used lane is a finite key, each plane of an unused one is [`Key::EMPTY`]; balls are finite and
     ///   no larger than the body;
-    /// * the same holds for the tree of the caps, which is in the same frame, and whose vertices are in the same box.
+    /// * the same holds for the tree of the caps, which is in the same frame, and whose vertices are in the same box;
+    /// * the same holds for the tree of the packing, whose spheres are in the body's box.
     ///
     /// [`BvhRef::verify`] proves that the planes really bound the primitives.
     ///
@@ -29,17 +30,46 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// [`FormatError`] describes the first fault.
     pub fn validate(&self) -> Result<(), FormatError> {
         self.validate_tree(self.header.primitive_count)?;
-        if self.has_caps() { self.validate_caps() } else { Ok(()) }
+        if self.has_caps() {
+            self.validate_caps()?;
+        }
+        if self.has_packing() { self.validate_packing() } else { Ok(()) }
+    }
+
+    fn validate_packing(&self) -> Result<(), FormatError> {
+        let wrong = |problem| Err(FormatError::Packing { problem });
+        let bytes = self.packing_bytes();
+        let Ok(layout) = Layout::of::<N, Spheres>(bytes) else {
+            return wrong("it is no tree of spheres of the same node type and length");
+        };
+        let Some(packing) = BvhRef::<N, Spheres>::of_layout(bytes, &layout) else {
+            return wrong("it is misaligned");
+        };
+        if packing.balls.is_empty() {
+            return wrong("it has no balls, or is empty");
+        }
+        if packing.validate_tree(packing.header.primitive_count).is_err() {
+            return wrong("its contents are invalid");
+        }
+        // Both boxes are rounded up, and their centres to nearest.
+        let rounding = power_of_two(-48) * self.header.max_coordinate;
+        let [(inner, width), (outer, most)] = [packing.header, self.header]
+            .map(|h| (h.centre, h.half_width.map(|x| f64::from(x) / h.extent().frame.scale())));
+        let is_in_box = (0..3).all(|i| {
+            (inner[i] - outer[i]).abs() + width[i] <= most[i] * (1.0 + power_of_two(-20)) + rounding
+        });
+        if is_in_box { Ok(()) } else { wrong("its box is not in the solid's") }
     }
 
     fn validate_caps(&self) -> Result<(), FormatError> {
         let wrong = |problem| Err(FormatError::Caps { problem });
-        let Ok(layout) = Layout::of::<N, P>(self.caps) else {
+        let bytes = self.cap_bytes();
+        let Ok(layout) = Layout::of::<N, P>(bytes) else {
             return wrong("it is no tree of the same node type and length");
         };
-        let Some(caps) = Self::of_layout(self.caps, &layout) else { return wrong("it is misaligned") };
+        let Some(caps) = Self::of_layout(bytes, &layout) else { return wrong("it is misaligned") };
         let (own, whole) = (caps.header, self.header);
-        if own.is_solid != 0 || own.cap_lines != 0 || own.primitive_count == 0 {
+        if own.is_solid != 0 || own.cap_lines != 0 || own.has_packing != 0 || own.primitive_count == 0 {
             return wrong("it is a solid, or empty");
         }
         if own.centre != whole.centre || own.exponent != whole.exponent {
@@ -48,17 +78,18 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         if caps.validate_tree(whole.primitive_count).is_err() {
             return wrong("its contents are invalid");
         }
-        // Rays are as long as the solid's box is wide.
+        // The inside test casts rays no longer than the solid's box is wide.
         if self.validate_vertices(&caps.store).is_err() {
             return wrong("a vertex is outside of the solid's box");
         }
         Ok(())
     }
 
-    /// Validates all but the caps. Source indices must be below `source_count`.
+    /// Validates all but the caps and the packing. Source indices must be below `source_count`.
     fn validate_tree(&self, source_count: u32) -> Result<(), FormatError> {
-        self.validate_header()?;
-        self.validate_nodes()?;
+        validate_header(self.header, P::BOUNDS_SOLIDS, P::ARE_PARTS)?;
+        let Self { header, nodes, normal_slabs, balls, .. } = *self;
+        NodeParts { header, nodes, normal_slabs, balls }.validate()?;
         self.validate_vertices(&self.store)?;
         let (sources, parts) = self.indices.split_at(self.len());
         if let Some(index) = sources.iter().position(|&source| source >= source_count) {
@@ -74,52 +105,76 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         Ok(())
     }
 
-    fn validate_header(&self) -> Result<(), FormatError> {
-        let h = self.header;
-        let checks = [
-            ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
-            ("primitive_count", h.primitive_count <= Child::MAX_PRIMITIVES),
-            (
-                "node_count",
-                (h.node_count == 0) == (h.primitive_count == 0) && h.node_count <= h.primitive_count,
-            ),
-            ("depth", h.depth as usize <= MAX_DEPTH),
-            ("degenerate_count", h.degenerate_count <= h.primitive_count),
-            ("centre", h.centre.iter().all(|c| c.abs() <= MAX_COORDINATE)),
-            (
-                "max_coordinate",
-                h.max_coordinate <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.max_coordinate),
-            ),
-            ("radius", (0.0..=MAX_MOVED).contains(&h.radius)),
-            ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
-            ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
-            ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
-            // Any such number is safe: it affects only speed.
-            ("rotation_growth", h.rotation_growth >= 0.0 && h.rotation_growth.is_finite()),
-            ("root", h.root == Child::root(0, h.half_width)),
-            ("has_normal_slabs", h.has_normal_slabs <= 1),
-            ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
-            (
-                "part_count",
-                h.part_count == 0 || !P::ARE_PARTS && (2..=h.primitive_count).contains(&h.part_count),
-            ),
-            ("cap_lines", h.cap_lines == 0 || h.is_solid == 1),
-            (
-                "cap_width",
-                if h.cap_lines == 0 {
-                    h.cap_width.to_bits() == 0
-                } else {
-                    h.cap_width > 0.0 && h.cap_width.is_finite()
-                },
-            ),
-        ];
-        match checks.iter().find(|(_, ok)| !ok) {
-            Some((field, _)) => Err(FormatError::Header { field }),
-            None => Ok(()),
-        }
+    /// Validates a store, whose vertices must be within the bounds of the body.
+    fn validate_vertices(&self, store: &Store<'_, P>) -> Result<(), FormatError> {
+        let BodyBounds { frame, max_coordinate, half_width, .. } = self.extent();
+        let scale = frame.scale();
+        let is_inside = |Sphere { centre: p, radius }: Sphere| {
+            let reach = radius * scale;
+            // Comparisons with NaN are false.
+            (radius >= 0.0 && flush(radius) == radius)
+                && p.iter().all(|&x| x.abs() + radius <= max_coordinate && flush(x) == x)
+                && (0..3)
+                    .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
+                && frame.is_in_reach(p, radius, self.header.radius)
+        };
+        store.check(|vertex| P::balls(vertex).all(is_inside)).map_err(|fault| match fault {
+            Fault::Vertex { index } => FormatError::Vertex { index },
+            Fault::Primitive { index } => FormatError::Primitive { index },
+        })
     }
+}
 
-    fn validate_nodes(&self) -> Result<(), FormatError> {
+/// Not generic, so that it is compiled once.
+fn validate_header(h: &Header, bounds_solids: bool, are_parts: bool) -> Result<(), FormatError> {
+    let checks = [
+        ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
+        ("primitive_count", h.primitive_count <= Child::MAX_PRIMITIVES),
+        ("node_count", (h.node_count == 0) == (h.primitive_count == 0) && h.node_count <= h.primitive_count),
+        ("depth", h.depth as usize <= MAX_DEPTH),
+        ("degenerate_count", h.degenerate_count <= h.primitive_count),
+        ("centre", h.centre.iter().all(|c| c.abs() <= MAX_COORDINATE)),
+        (
+            "max_coordinate",
+            h.max_coordinate <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.max_coordinate),
+        ),
+        ("radius", (0.0..=MAX_MOVED).contains(&h.radius)),
+        ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
+        ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
+        ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
+        // Any such number is safe: it affects only speed.
+        ("rotation_growth", h.rotation_growth >= 0.0 && h.rotation_growth.is_finite()),
+        ("root", h.root == Child::root(0, h.half_width)),
+        ("has_normal_slabs", h.has_normal_slabs <= 1),
+        ("is_solid", h.is_solid == 0 || h.is_solid == 1 && bounds_solids),
+        ("has_packing", h.has_packing == 0 || h.has_packing == 1 && h.is_solid == 1),
+        ("part_count", h.part_count == 0 || !are_parts && (2..=h.primitive_count).contains(&h.part_count)),
+        ("cap_lines", h.cap_lines == 0 || h.is_solid == 1),
+        (
+            "cap_width",
+            if h.cap_lines == 0 {
+                h.cap_width.to_bits() == 0
+            } else {
+                h.cap_width > 0.0 && h.cap_width.is_finite()
+            },
+        ),
+    ];
+    match checks.iter().find(|(_, ok)| !ok) {
+        Some((field, _)) => Err(FormatError::Header { field }),
+        None => Ok(()),
+    }
+}
+
+/// The parts of a tree that do not depend on its kind of primitive, to compile their validation once for all kinds.
+struct NodeParts<'a, N> {
+    header: &'a Header,
+    nodes: &'a [N],
+    normal_slabs: &'a [NormalSlab],
+    balls: &'a [Ball16],
+}
+
+impl<N: Dop> NodeParts<'_, N> {
+    fn validate(&self) -> Result<(), FormatError> {
         let (mut next_node, mut next_primitive) = (1, 0);
         let (mut levels, mut level_end) = (0, 0);
         for (index, node) in (0_u32..).zip(self.nodes) {
@@ -163,12 +218,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 
     /// Validates the planes of a lane and its normal slab.
-    pub(super) fn validate_volume(
-        &self,
-        index: u32,
-        lane: usize,
-        max_plane: f32,
-    ) -> Result<(), &'static str> {
+    fn validate_volume(&self, index: u32, lane: usize, max_plane: f32) -> Result<(), &'static str> {
         let node = &self.nodes[index as usize];
         let empty = node.children()[lane] == Child::EMPTY;
         for j in 0..N::K {
@@ -183,7 +233,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err("a plane is beyond max_plane");
             }
         }
-        if self.normal_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
+        if self.normal_slabs.get(index as usize * N::ARITY + lane).is_some_and(|slab| !slab.is_valid()) {
             return Err("a normal slab has no direction, or no thickness");
         }
         Ok(())
@@ -198,31 +248,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             return ball.is_empty();
         }
         let BoundingBall { centre, radius, volume } = ball;
-        // Comparisons with NaN are false. The term 2^-30 is for bodies that are a point: rounding makes their radius
-        // positive.
-        let most = self.extent().width_sum() * (1.0 + power_of_two(-10)) + power_of_two(-30);
+        // Comparisons with NaN are false. The term 2^-30 is for bodies that consist of one point: rounding makes their
+        // radius positive.
+        let most = self.header.extent().width_sum() * (1.0 + power_of_two(-10)) + power_of_two(-30);
         centre.iter().zip(self.header.half_width).all(|(x, most)| x.abs() <= most)
             && (radius >= 0.0 && f64::from(radius) <= most)
             && (volume >= 0.0 && volume.is_finite())
-    }
-
-    /// Validates a store, whose vertices must be within the bounds of the body.
-    fn validate_vertices(&self, store: &Store<'_, P>) -> Result<(), FormatError> {
-        let BodyBounds { frame, max_coordinate, half_width, .. } = self.extent();
-        let scale = frame.scale();
-        let is_inside = |Sphere { centre: p, radius }: Sphere| {
-            let reach = radius * scale;
-            // Comparisons with NaN are false.
-            (radius >= 0.0 && flush(radius) == radius)
-                && p.iter().all(|&x| x.abs() + radius <= max_coordinate && flush(x) == x)
-                && (0..3)
-                    .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
-                && frame.is_in_reach(p, radius, self.header.radius)
-        };
-        store.check(|vertex| P::balls(vertex).all(is_inside)).map_err(|fault| match fault {
-            Fault::Vertex { index } => FormatError::Vertex { index },
-            Fault::Primitive { index } => FormatError::Primitive { index },
-        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Verification: whether every volume bounds what is below it, proved again in exact arithmetic.
+//! Verification: proves again, in exact arithmetic, that every volume bounds what is below it.
 
 use super::{BvhRef, Lane, Walk};
 use crate::frame::Frame;
@@ -11,15 +11,17 @@ use core::fmt;
 /// A plane that cuts off part of a primitive below it: a collision could be missed.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
-    /// Index of the node. The nodes of the caps are numbered after those of the primitives.
+    /// Index of the node. The nodes of the caps are numbered after those of the primitives, and then those of the
+    /// packing.
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
     /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball; k + 3
     /// for the sum of volumes stored with it, where `primitive` is the first one below the lane; k + 4 for a cap that
-    /// does not close the surface at one of its edges.
+    /// does not close the surface at one of its edges; k + 5 for a sphere of the packing that is not inside the solid.
     pub plane: u32,
-    /// Index of the primitive in what was built. For a cap, its [source index](BvhRef::caps).
+    /// Index of the primitive in the geometry that the tree was built from. For a cap, its [source
+    /// index](BvhRef::caps); for the packing, that of a sphere.
     pub primitive: u32,
 }
 
@@ -39,11 +41,15 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// radius, integers compare squares. (The volumes below a lane are summed in `f64`, in the packer's order.) Cost:
     /// primitives x depth x k.
     ///
-    /// The same is proved for the tree of the [caps](Self::caps), and that as many triangles and caps run along each
-    /// edge of a cap in one direction as in the other. Cost: caps x (caps + primitives).
+    /// Proves the same for the tree of the [caps](Self::caps), and that as many triangles and caps run along each edge
+    /// of a cap in one direction as in the other. Cost: caps x (caps + primitives).
     ///
-    /// It does not prove that the triangles of a solid form a closed surface elsewhere, nor which primitives are
-    /// connected. Bytes with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside of
+    /// Proves the same for the tree of the [packing](Self::packing), and that each of its spheres is inside the solid:
+    /// no triangle or cap has a point in the open ball, and the surface winds around its centre. Cost: spheres x
+    /// (primitives + caps).
+    ///
+    /// Does not prove that the triangles of a solid form a closed surface elsewhere, nor which primitives are
+    /// connected. Bytes with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside
     /// another.
     ///
     /// # Errors
@@ -51,10 +57,24 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     pub fn verify(&self) -> Result<(), VerifyError> {
         self.verify_below(&self.frame(), self.walk())?;
         self.verify_volumes()?;
-        let Some(caps) = self.caps() else { return Ok(()) };
-        caps.verify_below(&caps.frame(), caps.walk())
-            .map_err(|error| VerifyError { node: error.node + self.header.node_count, ..error })?;
-        self.verify_caps(&caps)
+        let mut before = self.header.node_count;
+        if let Some(caps) = self.caps() {
+            caps.verify_below(&caps.frame(), caps.walk())
+                .map_err(|error| VerifyError { node: error.node + before, ..error })?;
+            self.verify_caps(&caps)?;
+            before += caps.header.node_count;
+        }
+        if let Some(packing) = self.packing() {
+            packing
+                .verify_below(&packing.frame(), packing.walk())
+                .and_then(|()| packing.verify_volumes())
+                .map_err(|error| VerifyError { node: error.node + before, ..error })?;
+            if let Some(index) = self.first_outside(&packing) {
+                let plane = N::K as u32 + 5;
+                return Err(VerifyError { node: before, lane: 0, plane, primitive: packing.source(index) });
+            }
+        }
+        Ok(())
     }
 
     /// Whether the caps close the surface along their edges.
@@ -148,7 +168,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     fn too_low(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
         let node = &self.nodes()[node as usize];
         let is_too_low = |(j, direction): &(u32, &Point)| {
-            // A code that is no plane bounds nothing: -0, NaN, or the mark of an unused lane.
+            // A code that is not a plane (-0, NaN, or the mark of an unused lane) bounds nothing.
             let key = Key::<N::Storage>::from_code(node.plane(*j as usize, lane));
             !key.is_some_and(|key| P::is_bounded(item, frame, direction, key))
         };

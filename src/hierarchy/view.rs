@@ -16,8 +16,8 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) store: Store<'a, P>,
     /// The source index of each primitive; then, if the body has several parts, one primitive of each.
     pub(super) indices: &'a [u32],
-    /// The bytes of the tree of the caps; empty without caps.
-    pub(super) caps: &'a [u8],
+    /// The bytes of the trees of the caps and of the packing; empty without either.
+    pub(super) attached: &'a [u8],
 }
 
 impl<N, P: Primitive> Copy for BvhRef<'_, N, P> {}
@@ -61,7 +61,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             balls,
             store: Store::read(layout.vertex_size, vertices, records)?,
             indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
-            caps: layout.caps.of(bytes)?,
+            attached: layout.attached.of(bytes)?,
         })
     }
 
@@ -85,15 +85,15 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.nodes
     }
 
-    /// The normal slabs of all lanes, `ARITY` a node; empty if the tree was built without.
+    /// The normal slabs of all lanes, `ARITY` per node; empty if the tree was built without them.
     #[inline(always)]
     #[must_use]
     pub const fn normal_slabs(&self) -> &'a [NormalSlab] {
         self.normal_slabs
     }
 
-    /// The bounding balls of all lanes, one item a node. Empty unless the primitives are spheres, the arity is 16 and
-    /// the tree was built with balls.
+    /// The bounding balls of all lanes, one item per node. Empty unless the primitives are spheres, the arity is 16
+    /// and the tree was built with balls.
     #[inline(always)]
     #[must_use]
     pub const fn balls(&self) -> &'a [Ball16] {
@@ -112,7 +112,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.normal_slabs.get(node as usize * N::ARITY..)?.get(..N::ARITY)
     }
 
-    /// The frame that the planes are written in.
+    /// The frame of the planes.
     #[inline]
     #[must_use]
     pub const fn frame(&self) -> Frame {
@@ -186,8 +186,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     }
 }
 
-/// A tree that queries take: borrowed or owned. With it a struct can hold an owned tree and query it without storing a
-/// view.
+/// A tree that queries take: borrowed or owned. This trait lets a struct hold an owned tree and query it without
+/// storing a view.
 pub trait AsBvh {
     /// Its nodes.
     type Node: Node;
@@ -203,7 +203,7 @@ pub trait AsBvh {
         f(&self.as_bvh())
     }
 
-    /// Its header, which is all that a query reads of far bodies.
+    /// Its header, which is all that a query reads of a distant body.
     #[inline(always)]
     fn header(&self) -> &Header {
         self.as_bvh().header()

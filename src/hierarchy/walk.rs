@@ -16,7 +16,8 @@ pub struct Lane {
     pub child: Child,
 }
 
-/// All used lanes, depth first, each lane before those below it. Without heap: a path of at most [`MAX_DEPTH`] lanes.
+/// All used lanes, depth first, each lane before those below it. Stores a path of at most [`MAX_DEPTH`] lanes, without
+/// heap.
 #[derive(Clone, Debug)]
 pub struct Walk<'a, N> {
     nodes: &'a [N],
@@ -33,7 +34,7 @@ impl<'a, N: Node> Walk<'a, N> {
         Self { nodes, path: [(0, 0); MAX_DEPTH], level: 0, below }
     }
 
-    /// Node and lane on each level above the lane that was visited last, and its own.
+    /// The node and lane on each level from the root to the lane visited last, inclusive.
     pub fn path(&self) -> impl Iterator<Item = (u32, usize)> {
         self.path[..self.level].iter().map(|&(node, next)| (node, next - 1))
     }

@@ -13,7 +13,7 @@
 //!
 //! Without `std`, x86-64 is detected by CPUID and XCR0. On aarch64 the crate's target features decide, which include
 //! NEON on nearly every aarch64 target. Targets with a soft-float ABI (`x86_64-unknown-none`) cannot pass vector
-//! registers, so they have [`Scalar`] only. Bare-metal code that has its own knowledge makes a token with
+//! registers, so they have [`Scalar`] only. Bare-metal code that knows its processor can make a token with
 //! `unsafe { Avx2::assume_supported() }`.
 
 #![cfg_attr(

@@ -55,10 +55,10 @@ pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
 /// 2^-18, which covers the roundings of about a dozen operations.
 pub(crate) const LENS: f32 = (core::f64::consts::PI / 12.0 * ENLARGED) as f32;
 pub(crate) const WHOLE: f32 = (core::f64::consts::PI * 4.0 / 3.0 * ENLARGED) as f32;
-/// Bound of the error in a lens's volume from the rounding of the distance, of the sums, and of the difference of the
-/// radii, divided by the sum of the radii and the square of the smaller one. The volume of a lens grows with either
-/// radius by the area of a disc, which is at most that of the smaller ball's. With u = 2^-24, the distance accurate to
-/// 3.5 u and the others to u, this is 14 u. `rest` loses at most 19 u of the smaller ball.
+/// Bounds the error of a lens's volume from rounding the distance, the sums, and the difference of the radii, relative
+/// to the sum of the radii times the square of the smaller radius. The volume of a lens grows with either radius by
+/// the area of a disc, which is at most that of the smaller ball. With u = 2^-24, the distance accurate to 3.5 u and
+/// the others to u, this is 14 u. `rest` loses at most 19 u of the smaller ball.
 pub(crate) const LENS_SLACK: f32 = crate::exact::power_of_two(-18) as f32;
 /// The least nonzero bound of a volume: exceeds the loss of factors below the normal range of `f32`.
 pub(crate) const LEAST_VOLUME: f32 = crate::exact::power_of_two(-100) as f32;

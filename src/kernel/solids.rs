@@ -1,35 +1,35 @@
 //! One sphere, capsule or cuboid against sixteen: the one definition of the arithmetic, for registers of any width.
 //!
-//! `f32`, not `f64`: twice the lanes for each operation. The certainty lost is a band of 2^-19 of the size of the
-//! coordinates, in which about one pair in 10^5 is.
+//! `f32` gives twice as many lanes per operation as `f64`. In exchange, pairs within a band of 2^-19 of the size of
+//! the coordinates stay undecided, about one pair in 10^5.
 //!
-//! **Method.** Near points of the two cores by alternating projections, in the coordinates along the half edges. For
-//! two segments, the solution of the two equations. Then the certificates of the scalar filter: points that are near
-//! enough show that the shapes are within the margin; a gap along the difference of the points or along a half edge of
-//! a cuboid that is wide enough shows that they are not.
+//! **Method.** Alternating projections, in coordinates along the half edges, give near points of the two cores; for
+//! two segments, solving two linear equations does. Then the certificates of the scalar filter apply: points that are
+//! near enough show that the shapes are within the margin. A sufficiently wide gap along the difference of the points,
+//! or along a half edge of a cuboid, shows that they are not.
 //!
 //! **Errors.** Let u = 2^-24 and L the sum of both `size`. Rounding to `f32` moves points of the cores by at most u L.
-//! * The coordinates along half edges are clamped, so exactly those of a point of the core. To compute the difference
-//!   of two such points takes at most 9 roundings of terms whose magnitudes add up to at most L: with the above, an
-//!   error of at most 11 u L.
+//! * The coordinates along half edges are clamped, so they are exactly those of a point of the core. Computing the
+//!   difference of two such points takes at most 9 roundings of terms whose magnitudes add up to at most L. With the
+//!   rounding of the cores, the error is at most 11 u L.
 //! * A gap along a vector n is a sum of at most 7 dot products: an error of at most (1 + 1 + 3 + 6) u |n| L.
-//! * `SLACK` L, where `SLACK` is 32 u, covers these, and relative errors of the lengths, of 5 u. Radii have a relative
-//!   error of 3 u, and `FEW`, which is 16 u, covers it.
+//! * `SLACK` L, where `SLACK` is 32 u, covers these errors and the relative error of lengths, 5 u. Radii have a
+//!   relative error of 3 u, and `FEW`, which is 16 u, covers it.
 //! * Underflow: L is at least 2^-20, so slacks are at least 2^-39. Gaps along differences shorter than the slack are
 //!   not used, and half edges are at least 2^-60 long, so that all products that are compared are normal.
 //!
 //! **Separating axes.** Two cuboids are also tested along all 15 axes of two rectangular boxes, in coordinates along
-//! their edges. Let c be the sum of both `skew`. An exactly rectangular box has edges within 2.1 c of their length from
-//! those of each cuboid, so computed gaps and overlaps along a vector of length at most 1 err by less than
-//! (16 u + 8 c) L, and the support functions of cuboids and boxes differ by less than 4 c L. `DEEP` L + 8 c L covers
-//! both. Axes `a x b` are not normalized: they are shorter than 1, so that gaps and overlaps along the unit vector are
-//! larger. If all 15 overlaps exceed the slack, the difference of the boxes contains a ball about the origin of a
-//! radius above that by which the cuboids' support functions differ, so the cuboids meet. The axis of two edges that
-//! are parallel up to 2^-20 is left out: turning one box by three such angles, which moves support functions by less
-//! than 2^-17 L with the axes, makes them parallel, and then it is no axis.
+//! their edges. Let c be the sum of both `skew`. An exactly rectangular box has edges within 2.1 c of their length
+//! from those of each cuboid, so gaps and overlaps, computed along a vector of length at most 1, have errors below (16
+//! u + 8 c) L, and the support functions of cuboids and boxes differ by less than 4 c L. `DEEP` L + 8 c L covers both.
+//! Axes `a x b` are not normalized: they are shorter than 1, so that gaps and overlaps along the unit vector are
+//! larger. If all 15 overlaps exceed the slack, the Minkowski difference of the boxes contains a ball about the origin
+//! whose radius exceeds the difference of the support functions, so the cuboids meet. The axis of two edges that are
+//! parallel up to 2^-20 is left out: rotating one box by three such angles makes them parallel, so that their cross
+//! product is no axis, and moves support functions by less than 2^-17 L, including the effect on the axes.
 //!
-//! A core that contains a ball of radius r contains all points at most `SHRINK r` from the core shrunk by 1 - `SHRINK`:
-//! so points of shrunk cuboids that are near enough show that cuboids without a radius meet.
+//! If a core contains a ball of radius r, it contains all points within `SHRINK r` of the core shrunk by 1 - `SHRINK`.
+//! So points of shrunk cuboids that are near enough show that cuboids without a radius meet.
 
 use crate::exact::power_of_two;
 use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
@@ -37,10 +37,10 @@ use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 const SLACK: f32 = power_of_two(-19) as f32;
 const FEW: f32 = power_of_two(-20) as f32;
 const DEEP: f32 = power_of_two(-16) as f32;
-/// The sines of angles that are those of parallel edges, with an error of 4 u.
+/// Edges whose angle has at most this sine, computed to within 4 u, count as parallel.
 const PARALLEL: f32 = power_of_two(-21) as f32;
 const SHRINK: f32 = power_of_two(-10) as f32;
-/// Rounds of projections of two cuboids, and of a segment and a cuboid.
+/// Rounds of projections for two cuboids, and for a segment and a cuboid.
 const ROUNDS: usize = 4;
 
 /// Some numbers in a register. A value exists only where a token proves the instruction set.
@@ -161,7 +161,7 @@ fn decide_part<V: Register, const M: usize, const N: usize>(
         let slack = sizes.times(number(DEEP).plus(skew.times(number(8.0))));
         (apart, within) =
             axes(token, query, lanes, part, (&da, &db, &ab), (reach.times(number(1.0 + FEW)), slack));
-        // What follows decides only lanes that are open, so that leaving does not change the result.
+        // The steps below decide only undecided lanes, so returning here does not change the result.
         if apart | within == u16::MAX >> (16 - V::LANES) {
             return Decided { apart, within };
         }
@@ -254,7 +254,7 @@ fn near_points<V: Register, const M: usize, const N: usize>(
     (x, y)
 }
 
-/// The lanes that one of the 15 axes separates, and those that all of them show to meet.
+/// The lanes that one of the 15 axes separates, and the lanes that meet according to all axes.
 #[inline(always)]
 fn axes<V: Register, const M: usize, const N: usize>(
     token: V::Token,

@@ -31,14 +31,14 @@ impl Storage for Half {
     fn number(code: i16) -> f32 {
         let bits = half_code(code) as u16;
         let magnitude = u32::from(bits & 0x7fff);
-        // The exponent's bias is 127 instead of 15; the product is exact, of subnormal halves too.
+        // The exponent's bias is 127 instead of 15; the product is exact, also for subnormal halves.
         let scaled = f32::from_bits(magnitude << 13) * f32::from_bits((127 + 112) << 23);
         let special =
             if magnitude >= INFINITE as u32 { 0x7f80_0000 | magnitude << 13 } else { scaled.to_bits() };
         f32::from_bits(special | u32::from(bits & 0x8000) << 16)
     }
 
-    /// Rounded towards positive infinity; what is between the least half and zero becomes -0, whose code is -1.
+    /// Rounded towards positive infinity; negative numbers nearer to zero than any half become -0, whose code is -1.
     #[inline(always)]
     fn around(x: f32) -> i16 {
         // 65,536 is where infinity would be if it were a number.
@@ -46,7 +46,7 @@ impl Storage for Half {
         let x = if x > -65504.0 { x } else { -65504.0 };
         let bits = x.to_bits();
         let magnitude = bits & 0x7fff_ffff;
-        // The exponent, at least that of the least normal half, 2^-14. A place of the half is 2^-10 of that.
+        // The exponent, at least that of the least normal half, 2^-14. One ulp of the half is 2^-10 of that.
         let exponent = magnitude & 0x7f80_0000;
         let exponent = if exponent > 113 << 23 { exponent } else { 113 << 23 };
         let places = f32::from_bits(magnitude) * f32::from_bits((254 << 23) - (exponent - (10 << 23)));
@@ -133,7 +133,7 @@ mod tests {
             _ => least(f64::from(x)),
         };
         assert!(found == want, "{x:e}: {found} {want}");
-        // Zeros from below are -0, as the conversion instructions have it.
+        // Negative numbers that round to zero give -0, as in the conversion instructions.
         if found == f16::ZERO {
             assert_eq!(found.is_sign_negative(), x.is_sign_negative(), "{x:e}");
         }
@@ -157,7 +157,7 @@ mod tests {
             }
         }
         let mut rng = Rng::new(16);
-        // Every sign and exponent alike.
+        // All signs and exponents equally often.
         (0..1_000_000).for_each(|_| check(f32::from_bits(rng.u64() as u32)));
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e-45, -1e-45, 0.0, -0.0] {
             check(x);

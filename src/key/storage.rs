@@ -1,4 +1,4 @@
-//! What the two storages of planes have in common.
+//! The common interface of the two storages of planes.
 
 use core::fmt;
 use core::hash::Hash;
@@ -11,7 +11,7 @@ pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + seal
     const KIND: StorageKind;
     /// Whether codes are half floats, for kernels that convert a register at a time.
     const IS_HALF: bool = matches!(Self::KIND, StorageKind::Half);
-    /// What a plane's value is above its [number](Storage::number), in steps. Sums of planes add it once.
+    /// A plane's value minus its [number](Storage::number), in steps. Sums of planes add it once.
     const OFFSET: f32;
     /// The code of a plane that is unbounded.
     const INFINITY: i16;
@@ -29,10 +29,10 @@ pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + seal
     }
 
     /// The code that kernels round a rotated plane to: a bound not below x, at most one code above the least.
-    /// [`Storage::INFINITY`] for NaN and where x is above all planes, the lowest plane where it is below.
+    /// [`Storage::INFINITY`] if x is NaN or above all planes; the lowest plane if x is below all planes.
     fn around(x: f32) -> i16;
 
-    /// The least code that bounds x. At the ends as [`Storage::around`].
+    /// The least code that bounds x. Saturates as [`Storage::around`] does.
     fn round_up(x: f64) -> i16;
 
     /// Whether a code can be a plane of a body.

@@ -68,7 +68,7 @@ impl Faces {
 }
 
 impl MeshData {
-    /// As the builders take it.
+    /// The mesh as builders take it.
     #[must_use]
     pub fn as_mesh(&self) -> Mesh<'_> {
         Mesh { vertices: &self.vertices, triangles: &self.triangles }

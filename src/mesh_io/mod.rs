@@ -68,10 +68,10 @@ pub fn read(name: impl AsRef<Path>, bytes: &[u8]) -> Result<MeshData, FileError>
     if bytes.is_empty() { Err(FileError::file("the file is empty")) } else { parse(bytes) }
 }
 
-/// Reads the points of a cloud: .ply or .xyz. At least one, all within the range of `f32`.
+/// Reads the points of a cloud from .ply or .xyz: at least one, all within the range of `f32`.
 ///
 /// # Errors
-/// [`FileError`], as [`read`]; or there is no point.
+/// [`FileError`], as for [`read`], or if there is no point.
 pub fn points(name: impl AsRef<Path>, bytes: &[u8]) -> Result<Vec<[f64; 3]>, FileError> {
     let points = match extension(name.as_ref()).as_str() {
         _ if bytes.is_empty() => Err(FileError::file("the file is empty")),

@@ -105,7 +105,7 @@ fn elements(bytes: &[u8], wanted: Wanted) -> Result<Elements, FileError> {
     }
 }
 
-/// The crate's messages quote the line, over several lines.
+/// The crate's messages have several lines, since they quote the file. Keep the first line.
 fn header_fault(error: &ParseError) -> FileError {
     let message = error.to_string();
     let message = message.lines().next().unwrap_or("");

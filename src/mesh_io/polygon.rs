@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(cut(&[[0, 0], [2, 6], [5, 3], [4, 0]]), Ok(vec![[0, 1, 2], [0, 2, 3]]));
     }
 
-    /// From each corner, and in both orientations.
+    /// Starting at each corner, in both orientations.
     #[test]
     fn concave_polygons_are_covered_once() {
         let shapes: [&[[i32; 2]]; 10] = [

@@ -5,7 +5,7 @@ use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;
 
-/// Whether a point can be one of a cloud, whose coordinates are `f32`. Else the problem.
+/// Checks that a point fits a cloud, whose coordinates are `f32`; otherwise returns the problem.
 pub(super) fn check_single(point: [f64; 3]) -> Result<(), String> {
     match point.iter().find(|x| !(**x as f32).is_finite()) {
         Some(x) => Err(format!("the coordinate {x:?} is beyond f32")),
@@ -13,7 +13,7 @@ pub(super) fn check_single(point: [f64; 3]) -> Result<(), String> {
     }
 }
 
-/// Comments are in any encoding: what is not UTF-8 becomes U+FFFD, which no number or keyword holds.
+/// Comments may have any encoding: bytes that are not UTF-8 become U+FFFD, which no number or keyword contains.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     String::from_utf8_lossy(bytes)
@@ -31,7 +31,8 @@ pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Refuses a text whose last line has no end: the file may have been truncated. Lines are counted from `first_line`.
+/// Rejects a text whose last line has no line ending: the file may have been truncated. Lines are counted from
+/// `first_line`.
 ///
 /// # Errors
 /// [`FileError`], with the last line.
@@ -46,14 +47,14 @@ pub fn check_last_line(text: &str, first_line: usize) -> Result<(), FileError> {
     ))
 }
 
-/// A word of a file, for a message: no longer than a line, and visible.
+/// A word of a file, quoted for a message: at most 40 characters, with invisible ones escaped.
 #[must_use]
 pub fn quote(word: &str) -> String {
     let short: String = word.chars().take(40).flat_map(char::escape_debug).collect();
     if word.chars().nth(40).is_some() { format!("'{short}...'") } else { format!("'{short}'") }
 }
 
-/// The number of words that are left, all of them numbers; what they say is not asked for.
+/// The number of remaining words, all of which must be numbers. Their values are ignored.
 pub(super) fn numbers_left<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     line: usize,

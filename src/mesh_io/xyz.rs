@@ -1,4 +1,4 @@
-//! XYZ: one point per line, and further data of a scanner.
+//! XYZ: one point per line, possibly with further scanner data.
 //!
 //! The first three numbers of a line are x, y and z. More may follow, such as a normal, a colour or an intensity. They
 //! are ignored, but all lines must have equally many numbers, so that a line that lost one does not pass for another
@@ -71,7 +71,7 @@ mod tests {
         );
     }
 
-    /// Of a truncated file, only whole lines are accepted.
+    /// A truncated file is accepted only if it ends with a whole line.
     #[test]
     fn a_cut_line_is_no_point() {
         let text = "1 2 3\n14 15 16\n";

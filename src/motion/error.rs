@@ -57,7 +57,7 @@ impl fmt::Display for MotionError {
             Self::NoSuchVariable { joint, variable } => {
                 write!(f, "joint {joint} is moved by variable {variable}, which has no limits")
             }
-            Self::Limits { variable } => write!(f, "the limits of variable {variable} are no interval"),
+            Self::Limits { variable } => write!(f, "the limits of variable {variable} are not an interval"),
             Self::NoDirection => {
                 f.write_str("an axis must be a vector of finite numbers that are not all zero")
             }
@@ -66,7 +66,7 @@ impl fmt::Display for MotionError {
                 write!(f, "{given} values or places are given, {needed} needed")
             }
             Self::OutOfLimits { variable, given } => {
-                write!(f, "the value {given} of variable {variable} is outside of its limits")
+                write!(f, "the value {given} of variable {variable} is outside its limits")
             }
             Self::Pose(error) => write!(f, "a pose on the way: {error}"),
         }

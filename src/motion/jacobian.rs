@@ -5,9 +5,10 @@ use crate::range::Point;
 use crate::vector::{cross, difference};
 
 impl Kinematics<'_> {
-    /// The derivatives of a point of a link by each variable, at the values for which [`Kinematics::go_to`] computed
-    /// `links`. The point is given in the world, and `derivatives[v]` is in its unit per unit of variable v. Variables
-    /// that do not move the link get zero, and so do those without an entry.
+    /// The derivatives of a point of a link with respect to each variable, at the values for which
+    /// [`Kinematics::go_to`] computed `links`. The point is given in the world, and `derivatives[v]` is in its unit per
+    /// unit of variable v. Entries of variables that do not move the link are set to zero; variables without an entry
+    /// are ignored.
     pub fn point_jacobian(&self, links: &[LinkFrame], link: u32, point: Point, derivatives: &mut [Point]) {
         derivatives.fill([0.0; 3]);
         let mut link = link as usize;

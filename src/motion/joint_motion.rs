@@ -1,16 +1,17 @@
 //! Straight edges: all variables of a robot change at constant speed.
 //!
-//! **Motion bound of a link.** Let link l carry a ball, let m be the current time, and let t be within the span. Bring
-//! the joints between the base and l from their values at m to those at t one after the other, the joint nearest to l
-//! first. When joint j changes, the joints before it still have their values at m. So its axis is where it is at m, and
-//! its change is a rigid motion R in the world. A point that is at p at time m, and that the joints behind j have
-//! brought to `p + u`, comes to `R (p + u)`, which is `(R p - p) + R u` from p. So each joint adds at most what it
-//! would do to p alone. A rotation by at most a adds the chord of a at the distance of p from the axis, which is at
-//! most that of the ball's centre plus its radius. A translation along the axis adds its length.
+//! **Motion bound of a link.** Let link l carry a ball, let m be the current time, and let t be within the span. Move
+//! the joints between the base and l from their values at m to those at t one at a time, the joint nearest to l first.
+//! When joint j moves, the joints before it still have their values at m. So its axis is where it was at m, and it
+//! applies a rigid motion R in the world. Consider a point that is at p at time m, and that the joints between j and l
+//! have moved to `p + u`. It moves to `R (p + u)`, and its displacement from p is `(R p - p) + R u`. So each joint adds
+//! at most the displacement of p under R. A rotation by at most a adds the chord of a at the distance of p from the
+//! axis, which is at most the distance of the ball's centre plus its radius. A translation along the axis adds its
+//! length.
 //!
-//! The motion of one link relative to another depends only on the joints between them: for each of the two links, the
-//! joints up to their last common ancestor. They are a chain from either link to the other, so that all of them may be
-//! taken to move the ball of the one, or all of them that of the other.
+//! The motion of one link relative to another depends only on the joints between each of the two and their last common
+//! ancestor. These form a chain from one link to the other, so the bound may let all of them move the ball of either
+//! link.
 
 use super::{
     CarriedBall, JointKind, Kinematics, LinkFrame, Motion, MotionError, ROUNDING, chord, distance_from_axis,
@@ -30,8 +31,8 @@ pub struct JointMotion<'m> {
 }
 
 impl<'m> JointMotion<'m> {
-    /// From the values `from` to the values `to`, both within the limits. `values` must hold an entry for each
-    /// variable, and `links` one for each link ([`Kinematics::links`]).
+    /// The motion from the values `from` to the values `to`, both within the limits. `values` must hold an entry for
+    /// each variable, and `links` one for each link ([`Kinematics::links`]).
     ///
     /// # Errors
     /// Those of [`Kinematics::check`] for either end; [`MotionError::Length`] if `values` or `links` is too short.
@@ -72,8 +73,8 @@ impl<'m> JointMotion<'m> {
         path
     }
 
-    /// As [`Motion::motion_bound_between`], or less: the least bound of the relative motion, whichever body is taken to
-    /// move. `None` in place of the number of a body that stands still.
+    /// As [`Motion::motion_bound_between`], or less: the least of three bounds, in which the joints of each link move
+    /// its own ball, or the joints of both move either ball. A body that stands still has `None` instead of a number.
     #[cfg(feature = "alloc")]
     pub(crate) fn least_bound_between(
         &self,
@@ -85,7 +86,7 @@ impl<'m> JointMotion<'m> {
         let common = self.common_link(links);
         let [[aa, ab], [ba, bb]] =
             links.map(|link| [a, b].map(|ball| self.motion_bound_from(link, common, ball, span)));
-        // That of each body's own points, whichever is taken to move.
+        // Rounding of each body's own points, whichever ball the joints move.
         let rounding = |body: Option<usize>, link: usize, ball: &CarriedBall, path: f64| {
             self.rounding_along(link, common, ball, path) + body.map_or(0.0, |i| self.rounding(i, ball))
         };
@@ -177,14 +178,14 @@ mod tests {
         [(); 3].map(|()| within(random, -reach, reach))
     }
 
-    /// No two points of two balls come nearer to each other, or go farther apart, than the least bound says; it is below
-    /// the sum of both bodies' own motions.
+    /// No two points of two balls approach or recede by more than the least bound, which is below the sum of both
+    /// bodies' own motion bounds.
     #[test]
     fn no_points_approach_more_than_the_least_bound() {
         let mut random = SplitMix64(17);
         let (mut worst, mut less) = (0.0_f64, 0);
         for _ in 0..400 {
-            // Two branches of three joints each on a common one.
+            // Two branches of three joints each, on a common one.
             let joint = |i: u32, random: &mut SplitMix64| {
                 let kind = if i.is_multiple_of(3) { JointKind::Prismatic } else { JointKind::Revolute };
                 let turn = glam::DQuat::from_euler(glam::EulerRot::ZYX, within(random, -3.0, 3.0), 0.4, 1.0);

@@ -14,8 +14,8 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// A joint and the link that it moves: joint i moves link i + 1, and link 0 is the base. There are no fixed joints:
-/// what is behind one belongs to the link before it.
+/// A joint and the link that it moves: joint i moves link i + 1, and link 0 is the base. Fixed joints are not listed:
+/// what they carry belongs to the link that they are on.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Joint {
     parent: u32,
@@ -30,8 +30,8 @@ pub struct Joint {
 impl Joint {
     /// A joint on link `parent`, at `origin` in the frame of that link. The axis is in the joint's frame, and
     /// `variable` is the index of the variable that moves the joint. If the matrix of `origin` is not quite a rotation,
-    /// the nearest rotation replaces it: a joint that stretched the bodies it rotates would move them farther than
-    /// along an arc.
+    /// the nearest rotation replaces it: a joint that stretched the bodies it rotates would move them farther than an
+    /// arc.
     ///
     /// # Errors
     /// [`MotionError::NoDirection`].
@@ -101,7 +101,7 @@ impl Joint {
         (self.multiplier * change).abs()
     }
 
-    /// Upper bound of the value's magnitude, where that of the variable is at most `variable`.
+    /// Upper bound of the value's magnitude if the variable's magnitude is at most `variable`.
     pub(crate) const fn magnitude_of(&self, variable: f64) -> f64 {
         self.change_of(variable) + self.offset.abs()
     }
@@ -132,18 +132,34 @@ impl LinkFrame {
     pub const EMPTY: Self = Self { frame: Pose::IDENTITY, origin: [0.0; 3], axis: [0.0; 3] };
 }
 
+/// The pose of a robot's base, with its matrix replaced by the nearest rotation. That costs as much as a few joints, so
+/// callers that make [`Kinematics`] for each query make the base only once.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Base(Pose);
+
+impl Base {
+    /// The base at the origin of the world.
+    pub const ORIGIN: Self = Self(Pose::IDENTITY);
+}
+
+impl From<Pose> for Base {
+    fn from(world: Pose) -> Self {
+        Self(world.orthonormal())
+    }
+}
+
 /// A robot: joints with limits, and bodies on its links. It borrows all of its data, which may be in flash.
 #[derive(Copy, Clone, Debug)]
 pub struct Kinematics<'r> {
-    base: Pose,
+    base: Base,
     joints: &'r [Joint],
     bodies: &'r [LinkBody],
     limits: &'r [[f64; 2]],
 }
 
 impl<'r> Kinematics<'r> {
-    /// From joints, each after its parent; bodies; and the lower and upper limit of each variable. The base stands at
-    /// the origin of the world.
+    /// Makes a robot from its joints, each after its parent; its bodies; and the lower and upper limit of each
+    /// variable. The base is at the origin of the world.
     ///
     /// ```
     /// use simdop::motion::{Joint, JointKind, Kinematics, LinkFrame, LinkBody};
@@ -185,29 +201,29 @@ impl<'r> Kinematics<'r> {
         let is_interval = |[from, to]: &[f64; 2]| from.is_finite() && to.is_finite() && from <= to;
         match limits.iter().position(|limits| !is_interval(limits)) {
             Some(variable) => Err(MotionError::Limits { variable }),
-            None => Ok(Self { base: Pose::IDENTITY, joints, bodies, limits }),
+            None => Ok(Self { base: Base::ORIGIN, joints, bodies, limits }),
         }
     }
 
-    /// As [`Kinematics::new`], of parts that it accepted before.
+    /// As [`Kinematics::new`], for parts that it has accepted before.
     #[cfg(feature = "planning")]
     pub(crate) const fn checked_before(
         joints: &'r [Joint],
         bodies: &'r [LinkBody],
         limits: &'r [[f64; 2]],
     ) -> Self {
-        Self { base: Pose::IDENTITY, joints, bodies, limits }
+        Self { base: Base::ORIGIN, joints, bodies, limits }
     }
 
-    /// Places the base in the world. As for a joint's origin, the nearest rotation replaces its matrix.
+    /// Places the base in the world. The nearest rotation replaces its matrix, as for a joint's origin.
     #[must_use]
-    pub fn with_base(self, base: Pose) -> Self {
-        Self { base: base.orthonormal(), ..self }
+    pub fn with_base(self, base: impl Into<Base>) -> Self {
+        Self { base: base.into(), ..self }
     }
 
     #[cfg(feature = "planning")]
     pub(crate) const fn base(&self) -> &Pose {
-        &self.base
+        &self.base.0
     }
 
     /// The joints.
@@ -274,13 +290,15 @@ impl<'r> Kinematics<'r> {
         Ok(())
     }
 
-    pub(super) fn place(
+    /// [`Kinematics::go_to`] without checks, for the values of a motion, which rounding may put beyond the limits.
+    /// `links` and `poses` have room for all links and bodies.
+    pub(crate) fn place(
         &self,
         variables: &[f64],
         links: &mut [LinkFrame],
         poses: &mut [Pose],
     ) -> Result<(), PoseError> {
-        links[0] = LinkFrame { frame: self.base, ..LinkFrame::EMPTY };
+        links[0] = LinkFrame { frame: self.base.0, ..LinkFrame::EMPTY };
         for (i, joint) in self.joints.iter().enumerate() {
             let before = links[joint.parent as usize].frame.after(&joint.origin);
             let (value, axis) = (joint.value(variables), before.rotate(&joint.axis));

@@ -1,8 +1,8 @@
-//! Motions: where bodies are at any time from 0 to 1, and how far they move within a span of time.
+//! Motions: the poses of bodies at any time from 0 to 1, and bounds of how far they move within a span of time.
 //!
-//! Motion bounds are what certifies an edge of a planner ([`crate::scene::Scene::check_motion`]): two bodies that are
-//! farther apart at one time than they can approach each other within a span do not meet in that span. Samples prove
-//! nothing about the times between them.
+//! Motion bounds certify the edges of a planner ([`crate::scene::Scene::check_motion`]): two bodies that are farther
+//! apart at one time than they can approach each other within a span do not meet in that span. Samples prove nothing
+//! about the times between them.
 
 mod error;
 mod jacobian;
@@ -12,7 +12,7 @@ mod screw;
 
 pub use error::MotionError;
 pub use joint_motion::JointMotion;
-pub use joints::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
+pub use joints::{Base, Joint, JointKind, Kinematics, LinkBody, LinkFrame};
 pub use screw::{Screw, ScrewMotion};
 
 use crate::exact::power_of_two;
@@ -53,12 +53,12 @@ pub trait Motion {
     }
 }
 
-/// Rounding allowance for a position reached by rotations about axes, relative to the coordinates on the way, for each
-/// rotation. A rotation costs two products of poses, the sine and cosine of an angle that itself is rounded, and a sum:
-/// less than 2^-46 of the coordinates.
+/// Rounding allowance for each rotation on the way to a position, relative to the largest coordinates on the way. A
+/// rotation takes two products of poses, the sine and cosine of a rounded angle, and a sum: their error is less than
+/// 2^-46 of the coordinates.
 const ROUNDING: f64 = power_of_two(-44);
 
-/// Upper bound of how far a point moves that is `distance` from an axis and rotates about it by at most `angle`. The
+/// Upper bound of how far a point at `distance` from an axis moves when it rotates about it by at most `angle`. The
 /// chord is at most the arc, and at most twice the distance.
 #[inline(always)]
 fn chord(angle: f64, distance: f64) -> f64 {

@@ -5,7 +5,7 @@ use crate::pose::{Pose, PoseError};
 use crate::range::Point;
 use crate::vector::{difference, length, unit};
 
-/// A rotation about an axis in the world, and a translation along it. Every rigid displacement is that of one screw
+/// A rotation about an axis in the world, and a translation along it. Every rigid displacement is a screw motion
 /// (Chasles).
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Screw {
@@ -29,8 +29,8 @@ impl Screw {
         Ok(Self { point, direction, angle, advance })
     }
 
-    /// The screw that takes a body from one pose to another by at most half a turn. It reaches the end pose up to 1e-7
-    /// of the coordinates: rotations by less than 1e-8 are dropped, since their axis would be too far away.
+    /// The screw that moves a body from one pose to another by at most half a turn. It reaches the end pose up to 1e-7
+    /// of the coordinates: rotations by less than 1e-8 are dropped, since their axes would be too far away.
     ///
     /// # Errors
     /// [`MotionError::Pose`] if there is no pose between them.
@@ -41,8 +41,8 @@ impl Screw {
         let twice = [r[1] - q[2], p[2] - r[0], q[0] - p[1]];
         let (sine, cosine) = (length(&twice), (p[0] + q[1] + r[2]) - 1.0);
         let angle = libm::atan2(sine, cosine);
-        // Near a half turn the sine keeps few digits of the axis. The symmetric part minus the cosine keeps all: it is
-        // w transpose(w), times a factor that is then at least 1.
+        // Near a half turn, the sine keeps few digits of the axis. The symmetric part minus the cosine keeps them all:
+        // it is w transpose(w), times a factor of at least 1.
         let half = 0.5 * cosine;
         let [xy, xz, yz] = [0.5 * (p[1] + q[0]), 0.5 * (p[2] + r[0]), 0.5 * (q[2] + r[1])];
         let rows = [[p[0] - half, xy, xz], [xy, q[1] - half, yz], [xz, yz, r[2] - half]];
@@ -82,7 +82,7 @@ impl Screw {
     }
 }
 
-/// Bodies that all move by one screw, such as a free body, or several attached to each other.
+/// Bodies that all move by the same screw, such as a free body, or several attached to each other.
 #[derive(Debug)]
 pub struct ScrewMotion<'m> {
     screw: Screw,
@@ -90,13 +90,13 @@ pub struct ScrewMotion<'m> {
 }
 
 impl<'m> ScrewMotion<'m> {
-    /// For bodies with these world poses at time 0.
+    /// A screw motion of bodies with these world poses at time 0.
     #[must_use]
     pub const fn new(screw: Screw, starts: &'m [Pose]) -> Self {
         Self { screw, starts }
     }
 
-    /// Rounding of a point of a ball that body i carries.
+    /// Rounding of a point of a ball carried by body i.
     fn rounding(&self, i: usize, ball: &CarriedBall) -> f64 {
         let Screw { point, angle, advance, .. } = &self.screw;
         let start = self.starts.get(i).map_or(0.0, |start| magnitude(&start.translation()));

@@ -156,7 +156,7 @@ impl Bucket {
         self.indices[slot] = index;
     }
 
-    /// The used slots, a bit each.
+    /// The used slots, one bit each.
     #[inline(always)]
     #[must_use]
     pub fn used(&self) -> u16 {

@@ -125,7 +125,8 @@ impl Width {
         })
     }
 
-    /// By how many powers of two this is wider than the other, in a frame whose unit is `2^exponent` times this one's.
+    /// The number of powers of two by which this is wider than `other`, in a frame whose unit is `2^exponent` times
+    /// this one's.
     #[inline(always)]
     pub(crate) const fn excess(self, other: Self, exponent: i32) -> i32 {
         self.0 as i32 - other.0 as i32 - exponent

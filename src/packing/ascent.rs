@@ -1,4 +1,4 @@
-//! From a free point to a nearby local maximum of the clearance.
+//! Ascends from a free point to a nearby local maximum of the clearance.
 //!
 //! The clearance of a point is the minimum of its distances to triangles and its gaps to spheres. Each of these is a
 //! convex function, and so lies above its tangent plane. For the few obstacles that matter at a point, a quadratic

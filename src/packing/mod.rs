@@ -127,7 +127,7 @@ impl Packer {
     /// returns `Break`.
     ///
     /// # Errors
-    /// [`PackError`], of the mesh, or [`PackError::Cancelled`] if `observer` returned `Break`.
+    /// [`PackError`] if the mesh is invalid, or [`PackError::Cancelled`] if `observer` returned `Break`.
     pub fn pack_with(
         &self,
         mesh: &Mesh<'_>,

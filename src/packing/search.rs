@@ -19,7 +19,7 @@ use core::ops::ControlFlow;
 
 /// What a round does with a cube.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-enum Fate {
+enum Phase {
     /// Returns to the queue.
     Waits,
     /// An ascent starts from its centre.
@@ -36,7 +36,7 @@ enum Fate {
 #[derive(Clone, Debug)]
 struct Task {
     cube: Cube,
-    fate: Fate,
+    phase: Phase,
     /// Cubes to queue.
     parts: Vec<Cube>,
     /// The sphere found.
@@ -73,7 +73,7 @@ pub(super) fn fill(
         while tasks.len() < ROUND
             && let Some(cube) = queue.pop(close)
         {
-            tasks.push(Task { cube, fate: Fate::Waits, parts: Vec::new(), found: None });
+            tasks.push(Task { cube, phase: Phase::Waits, parts: Vec::new(), found: None });
         }
         let room = Clearance { surface, placed: &placed };
         parallel::for_each_chunk(&mut tasks, 2 * CHUNK, |_, chunk| {
@@ -89,7 +89,7 @@ pub(super) fn fill(
         for task in &tasks {
             cuts += task.parts.len().div_ceil(8);
             task.parts.iter().for_each(|part| queue.push(*part));
-            if task.fate != Fate::Gone {
+            if task.phase != Phase::Gone {
                 queue.push(task.cube);
             }
         }
@@ -100,26 +100,26 @@ pub(super) fn fill(
     Some(placed.into_balls())
 }
 
-/// Decides the fate of each cube. `rest` bounds all cubes that are still queued.
+/// Decides the phase of each cube. `rest` bounds all cubes that are still queued.
 fn decide(tasks: &mut [Task], rest: f64, is_overdue: bool) {
     let greatest = tasks.iter().map(|task| task.cube.bound).fold(rest, f64::max);
     let close = CLOSE * greatest;
-    // Largest clearance first. An ascent does not start inside the sphere of another: both would end at one place.
+    // Largest clearance first. An ascent does not start inside another's sphere: both would end at the same place.
     tasks.sort_by(|a, b| b.cube.clearance.total_cmp(&a.cube.clearance));
     for index in 0..tasks.len() {
         let cube = tasks[index].cube;
         let is_beside = |other: &Task| {
             let reach = other.cube.clearance;
-            other.fate != Fate::Climbs || other.cube.centre.distance_squared(cube.centre) > reach * reach
+            other.phase != Phase::Climbs || other.cube.centre.distance_squared(cube.centre) > reach * reach
         };
-        tasks[index].fate = if cube.bound < close {
-            Fate::Waits
+        tasks[index].phase = if cube.bound < close {
+            Phase::Waits
         } else if cube.clearance < close {
-            if is_overdue { Fate::Dives } else { Fate::Cut }
+            if is_overdue { Phase::Dives } else { Phase::Cut }
         } else if tasks[..index].iter().all(is_beside) {
-            Fate::Climbs
+            Phase::Climbs
         } else {
-            Fate::Waits
+            Phase::Waits
         };
     }
 }
@@ -143,15 +143,15 @@ fn place(tasks: &[Task], placed: &mut Placed, count: usize) {
 
 impl Task {
     fn work(&mut self, room: &Clearance<'_>) {
-        match self.fate {
-            Fate::Waits | Fate::Gone => {}
-            Fate::Climbs => self.climb(room),
-            Fate::Cut => {
-                self.fate = Fate::Gone;
+        match self.phase {
+            Phase::Waits | Phase::Gone => {}
+            Phase::Climbs => self.climb(room),
+            Phase::Cut => {
+                self.phase = Phase::Gone;
                 self.parts.extend(self.cube.parts(room));
             }
-            Fate::Dives => {
-                self.fate = Fate::Gone;
+            Phase::Dives => {
+                self.phase = Phase::Gone;
                 let mut cube = self.cube;
                 while cube.clearance < cube.half && self.parts.len() < DIVE {
                     let start = self.parts.len();
@@ -174,7 +174,7 @@ impl Task {
     /// Ascends to a sphere. If it cannot be proven, parts of the cube are queued, down to a minimum size.
     fn climb(&mut self, room: &Clearance<'_>) {
         self.found = self.cube.climbed(room);
-        self.fate = if self.found.is_some() { Fate::Climbs } else { Fate::Gone };
+        self.phase = if self.found.is_some() { Phase::Climbs } else { Phase::Gone };
         if self.found.is_none() && self.cube.half > (1.0 - PROVEN) * self.cube.clearance {
             self.parts.extend(self.cube.parts(room));
         }

@@ -1,13 +1,13 @@
-//! Angles of continuous joints, which are the same after a full turn.
+//! Angles of continuous joints, which are equivalent up to full turns.
 
 use core::f64::consts::{PI, TAU};
 
-/// An angle within half a turn of 0 that differs by full turns, up to rounding of 2^-50.
+/// The equivalent angle within half a turn of 0, up to rounding of 2^-50.
 fn near_zero(angle: f64) -> f64 {
     angle - TAU * libm::round(angle / TAU)
 }
 
-/// An angle within a full turn of 0 that differs by full turns.
+/// An equivalent angle within a full turn of 0.
 pub(super) fn wrapped(angle: f64) -> f64 {
     if angle.abs() <= TAU { angle } else { near_zero(angle) }
 }

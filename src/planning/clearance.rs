@@ -9,8 +9,8 @@ use crate::scene::{BodyId, SceneDistance, SceneError, SceneSignedDistance, Scene
 use crate::vector::{difference, dot, unit};
 
 impl PlanningScene {
-    /// The least distance between two tested bodies, up to `cutoff` ([`Scene::clearance`](crate::Scene::clearance)).
-    /// `tolerance` 0.01 gives bounds 1 % apart, and 0 the precision of `f64`.
+    /// The least distance between two tested bodies, up to `cutoff` ([`Scene::clearance`](crate::Scene::clearance)). A
+    /// `tolerance` of 0.01 gives bounds 1 % apart, and 0 gives the precision of `f64`.
     ///
     /// # Errors
     /// As [`PlanningScene::is_free`]; the tolerance or the cutoff is invalid.
@@ -25,15 +25,15 @@ impl PlanningScene {
         Ok(workspace.scene.clearance(&self.query, tolerance, cutoff)?)
     }
 
-    /// The derivative of the distance of a witness by each variable that is planned for, in the bodies' unit per unit
-    /// of the variable: `n . (b' - a')`, where n is the unit vector from the point a of the witness to its point b, and
-    /// the dash is the derivative of a point that moves with its body. `witness` is that of [`PlanningScene::clearance`]
-    /// for the same values, and must have been the last query of the workspace. All zero where the points coincide.
-    /// Without heap.
+    /// The derivative of a witness's distance with respect to each variable that is planned for, in the bodies' unit
+    /// per unit of the variable: `n . (b' - a')`, where n is the unit vector from the point a of the witness to its
+    /// point b, and the prime is the derivative of a point that moves with its body. `witness` comes from
+    /// [`PlanningScene::clearance`] at the same values, which must have been the last query of the workspace. All zero
+    /// if the points coincide. Does not allocate.
     ///
     /// # Errors
-    /// [`PlanningError::Scene`] if a body of the witness does not exist, or `gradient` has not one number for each
-    /// variable.
+    /// [`PlanningError::Scene`] if a body of the witness does not exist, or `gradient` does not have one number for
+    /// each variable.
     pub fn clearance_gradient(
         &self,
         workspace: &mut Workspace,
@@ -47,17 +47,18 @@ impl PlanningScene {
         self.slopes(workspace, points, &normal, gradient)
     }
 
-    /// The least signed distance of two tested bodies, up to `cutoff`, and its derivative by each variable that is
-    /// planned for: what a trajectory optimiser needs. Without heap.
+    /// The least signed distance of two tested bodies, up to `cutoff`, and its derivative with respect to each variable
+    /// that is planned for, for trajectory optimisers. Does not allocate.
     ///
-    /// The distance is that of [`Scene::signed_clearance`](crate::Scene::signed_clearance): negative where bodies meet,
-    /// by their depth. The derivative is `n . (a' - b')`, where n is the normal of the witness, a and b are its points,
-    /// and the dash is the derivative of a point that moves with its body; in the bodies' unit per unit of the
-    /// variable. It is that of the distance wherever this is smooth, and of bodies that meet, that of the least
-    /// translation that was found, whose length is `-lower`. All zero without a witness or a normal.
+    /// The distance is that of [`Scene::signed_clearance`](crate::Scene::signed_clearance): minus the penetration depth
+    /// where bodies meet. The derivative is `n . (a' - b')`, in the bodies' unit per unit of the variable, where n is
+    /// the normal of the witness, a and b are its points, and the prime is the derivative of a point that moves with
+    /// its body. It is the derivative of the distance wherever this is smooth, and if bodies meet, that of the length
+    /// `-lower` of the shortest translation found. All zero without a witness or a normal.
     ///
     /// # Errors
-    /// As [`PlanningScene::clearance`]; [`PlanningError::Scene`] if `gradient` has not one number for each variable.
+    /// As [`PlanningScene::clearance`]; [`PlanningError::Scene`] if `gradient` does not have one number for each
+    /// variable.
     pub fn signed_clearance(
         &self,
         workspace: &mut Workspace,
@@ -85,8 +86,8 @@ impl PlanningScene {
         Err(SceneError::from(error).into())
     }
 
-    /// Adds to each number the derivative, by its variable, of how far the first point is ahead of the second along the
-    /// normal.
+    /// Adds to each number the derivative, with respect to its variable, of `n . (a - b)`: how far the first point is
+    /// ahead of the second along the normal.
     fn slopes(
         &self,
         workspace: &mut Workspace,
@@ -104,7 +105,7 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// The moving link that carries a body, attached or its own. `None` for objects that stand still.
+    /// The moving link that carries a body, either as its own or attached to it. `None` for objects that stand still.
     fn link_of(&self, workspace: &Workspace, mut id: BodyId) -> Result<Option<u32>, PlanningError> {
         while let Some(parent) = workspace.scene.attached_to(id)? {
             id = parent;
@@ -113,7 +114,7 @@ impl PlanningScene {
         Ok(body.map(|body| self.robot.robot().bodies[body].link))
     }
 
-    /// Where a point of a body is in the world, in the last configuration of the workspace.
+    /// The position in the world of a point of a body, in the last configuration of the workspace.
     ///
     /// # Errors
     /// [`PlanningError::Scene`] if there is no such body.

@@ -9,14 +9,14 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-/// Configurations of a job of [`PlanningScene::free`].
+/// Number of configurations in a job of [`PlanningScene::free`].
 const JOB: usize = 64;
 
 impl PlanningScene {
-    /// Whether a configuration is certainly free: no two tested bodies meet. Touching is meeting.
+    /// Whether a configuration is certainly free: no two tested bodies meet. Touching counts as meeting.
     ///
     /// # Errors
-    /// [`PlanningError::Scene`] if there is not one value for each variable, or one is outside of its limits.
+    /// [`PlanningError::Scene`] if there is not one value for each variable, or a value is outside its limits.
     pub fn is_free(&self, workspace: &mut Workspace, values: &[f64]) -> Result<bool, PlanningError> {
         Ok(self.collide(workspace, values)?.is_free())
     }
@@ -43,8 +43,8 @@ impl PlanningScene {
         Ok(workspace.scene.within(&self.query, margin)?)
     }
 
-    /// All pairs of bodies that come within `margin` of each other in a configuration. Of each pair of bodies, one pair
-    /// of primitives.
+    /// All pairs of bodies that come within `margin` of each other in a configuration. A hit names one pair of
+    /// primitives for each pair of bodies.
     ///
     /// # Errors
     /// As [`PlanningScene::within`].
@@ -63,7 +63,7 @@ impl PlanningScene {
     }
 
     /// Calls `visit` with each hit of [`PlanningScene::hits`], until it breaks. Returns what [`Scene::for_each_hit`]
-    /// does. Without heap.
+    /// does. Does not allocate.
     ///
     /// [`Scene::for_each_hit`]: crate::Scene::for_each_hit
     ///
@@ -80,11 +80,11 @@ impl PlanningScene {
         Ok(workspace.scene.for_each_hit(&self.query, margin, visit)?)
     }
 
-    /// Which configurations are certainly free? Their values stand one after the other. Runs on several threads with
-    /// the feature `rayon`, with the same answers.
+    /// Which configurations are certainly free? `configurations` holds their values, one configuration after the other.
+    /// Runs on several threads with the feature `rayon`, with the same answers.
     ///
     /// # Errors
-    /// [`PlanningError::Values`] if the number of values is not a multiple of that of the variables; as
+    /// [`PlanningError::Values`] if the number of values is not a multiple of the number of variables; as
     /// [`PlanningScene::is_free`].
     pub fn free(&self, configurations: &[f64]) -> Result<Vec<bool>, PlanningError> {
         self.on_threads(configurations, self.variables(), |workspace, values, free| {
@@ -93,7 +93,8 @@ impl PlanningScene {
     }
 
     /// As [`PlanningScene::free`], on this thread: writes to `free`, which has a place for each configuration, whether
-    /// it is certainly free. Without heap, except that the first call of a workspace after a change copies the scene.
+    /// it is certainly free. Does not allocate, except that the first call with a workspace after a change copies the
+    /// scene.
     ///
     /// # Errors
     /// As [`PlanningScene::free`].
@@ -138,13 +139,13 @@ impl PlanningScene {
         }
     }
 
-    /// A configuration within the limits, from numbers in 0 .. 1.
+    /// A configuration within the limits, from random numbers in 0 .. 1.
     #[must_use]
     pub fn random(&self, mut random: impl FnMut() -> f64) -> Vec<f64> {
         self.limits().iter().map(|[low, high]| (low + (high - low) * random()).clamp(*low, *high)).collect()
     }
 
-    /// A free configuration, from numbers in 0 .. 1. `None` after as many configurations that are not free as `tries`.
+    /// A free configuration, from random numbers in 0 .. 1. `None` after `tries` configurations that are not free.
     ///
     /// # Errors
     /// As [`PlanningScene::is_free`].

@@ -41,28 +41,28 @@ impl<'a> RobotFiles<'a> {
         Self { urdf: urdf.into(), srdf: None, shapes: LinkShapes::Collision, cap: 0.0, resolve: None }
     }
 
-    /// With the disabled pairs and the groups of joints of an SRDF file.
+    /// Adds the disabled pairs and the groups of joints of an SRDF file.
     #[must_use]
     pub fn srdf(self, path: impl Into<PathBuf>) -> Self {
         Self { srdf: Some(path.into()), ..self }
     }
 
-    /// With these shapes of the links.
+    /// Selects which shapes of the links become bodies.
     #[must_use]
     pub fn shapes(self, shapes: LinkShapes) -> Self {
         Self { shapes, ..self }
     }
 
-    /// Caps the holes of meshes that have none wider than `width`, in the robot's unit
-    /// ([`crate::Builder::solid_with_caps`]). Without it, meshes that are not closed become surfaces.
+    /// Caps the holes of meshes whose widest hole is at most `width`, in the robot's unit
+    /// ([`crate::Builder::solid_with_caps`]). By default, meshes that are not closed become surfaces.
     #[must_use]
     pub fn cap(self, width: f64) -> Self {
         Self { cap: width, ..self }
     }
 
     /// Finds the files of meshes: `resolve` maps a file name of the URDF file, such as
-    /// `package://panda/meshes/hand.stl`, to a path. Where it returns `None`, and without it, the search is as
-    /// [`located`] describes.
+    /// `package://panda/meshes/hand.stl`, to a path. If it returns `None`, and by default, the search is that of
+    /// [`located`].
     #[must_use]
     pub fn resolve(self, resolve: impl Fn(&str) -> Option<PathBuf> + 'a) -> Self {
         Self { resolve: Some(Box::new(resolve)), ..self }
@@ -119,8 +119,9 @@ fn text(path: &Path) -> Result<String, PlanningError> {
     std::fs::read_to_string(path).map_err(io(path))
 }
 
-/// The file of a mesh that a URDF file refers to: relative to it, or to a package. Of a package, it is the first
-/// `NAME/FILE` or `FILE` in the URDF's folder and those above it: the folder of a package need not have its name.
+/// The path of a mesh that a URDF file refers to, relative to the URDF file or to a package. For a package, the path is
+/// the first existing `NAME/FILE` or `FILE` in the URDF's folder and those above it: the folder of a package need not
+/// have its name.
 #[must_use]
 pub fn located(urdf: &Path, name: &str) -> PathBuf {
     let absolute = std::path::absolute(urdf).unwrap_or_else(|_| urdf.into());

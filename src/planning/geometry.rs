@@ -46,7 +46,7 @@ impl LinkGeometry {
         }
     }
 
-    /// Whether a body inside of it is a hit: shapes and solids, but not surfaces.
+    /// Whether a body inside it is a hit: true for shapes and solids, but not for surfaces.
     #[must_use]
     pub fn is_solid(&self) -> bool {
         match self {

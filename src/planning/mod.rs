@@ -15,9 +15,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`RobotFiles`] reads a robot. A [`PlanningScene`] owns it, the objects around it, and nothing of a query: copies are
-//! cheap, since trees are shared, and any number of threads query one scene, each with a [`Workspace`]. Everything is
-//! decided by a [`Scene`](crate::Scene), whose guarantees hold. Without heap, use that.
+//! [`RobotFiles`] reads a robot. A [`PlanningScene`] owns the robot and the objects around it, but no query state:
+//! copies are cheap, since they share the trees, and any number of threads may query one scene, each with a
+//! [`Workspace`]. A [`Scene`](crate::Scene) decides everything, so its guarantees hold. Without a heap, use a `Scene`
+//! directly.
 
 mod angles;
 mod clearance;

@@ -9,7 +9,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use std::sync::OnceLock;
 
-/// A robot with the geometry of its bodies. Scenes share it.
+/// A robot with the geometry of its bodies, which scenes share.
 #[derive(Clone, Debug)]
 pub struct RobotModel {
     robot: Robot,
@@ -18,16 +18,16 @@ pub struct RobotModel {
     disabled: Vec<DisabledPair>,
     pairs: Vec<(usize, usize)>,
     groups: Vec<JointGroup>,
-    /// Made when a scene asks for them.
+    /// Made when a scene first requests them.
     pub(super) bounds: OnceLock<Option<Arc<RobotBounds>>>,
 }
 
 impl RobotModel {
-    /// From a description, the geometry of each of its bodies, and what an SRDF file adds.
+    /// Makes a model from a description, the geometry of each of its bodies, and the additions of an SRDF file.
     ///
     /// # Errors
-    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`; [`RobotError::Bodies`] if there is
-    /// not one geometry for each body of the robot.
+    /// [`RobotError::UnknownLink`] if `disabled` names a link that the robot does not have; [`RobotError::Bodies`] if
+    /// there is not one geometry for each body of the robot.
     pub fn new(
         robot: Robot,
         bodies: Vec<LinkGeometry>,
@@ -53,7 +53,7 @@ impl RobotModel {
         &self.bodies
     }
 
-    /// The names of the bodies: those of their links, with a number for all but the first of a link.
+    /// The names of the bodies: those of their links, with a number for all but the first body of a link.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names

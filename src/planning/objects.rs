@@ -10,8 +10,8 @@ use alloc::vec::Vec;
 
 impl PlanningScene {
     /// Adds an object, such as a shape, a shared tree, or a shared cloud. Make it [fixed](Body::fixed) unless it will
-    /// be attached to the robot: two fixed bodies are not tested against each other. Bodies of the robot come first
-    /// ([`PlanningScene::link`]).
+    /// be attached to the robot: two fixed bodies are not tested against each other. The bodies of the robot come
+    /// before all objects ([`PlanningScene::link`]).
     ///
     /// # Errors
     /// [`PlanningError::Scene`] if the pose or the body's radius is invalid.
@@ -42,27 +42,32 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Removes an object. What is attached to it stays where it is.
+    /// Removes an object. Bodies attached to it stay where they are.
     ///
     /// # Errors
     /// [`PlanningError::IsRobot`]; [`PlanningError::Scene`] if there is no such object.
     pub fn remove(&mut self, object: BodyId) -> Result<Body<'static, PlanningNode>, PlanningError> {
         self.check_object(object)?;
         let before = self.scene.bounds_of(object)?;
+        let was_attached = self.scene.attached_to(object)?.is_some();
         let body = self.scene.remove(object)?;
         self.objects.retain(|(id, _)| *id != object);
         self.stamp = stamp();
-        self.update_screen(object, Some(before));
+        if was_attached {
+            self.set_screen();
+        } else {
+            self.update_screen(object, Some(before));
+        }
         Ok(body)
     }
 
-    /// Attaches an object to a link of the robot, as it stands while the joints have these values, of the variables that
-    /// are planned for. From then on it moves with the link, and may touch the links of `touched`, for which names of
-    /// bodies count too ([`RobotModel::names`](super::RobotModel::names)).
+    /// Attaches an object to a link of the robot, at their relative pose when the variables that are planned for have
+    /// these values. From then on the object moves with the link, and may touch the links and bodies named in `touched`
+    /// ([`RobotModel::names`](super::RobotModel::names)).
     ///
     /// # Errors
     /// [`PlanningError`]: there is no such link or object, the object is attached already or part of the robot, or a
-    /// value is outside of its limits.
+    /// value is outside its limits.
     pub fn attach(
         &mut self,
         object: BodyId,
@@ -88,13 +93,13 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links again.
+    /// Detaches an object from the robot and places it at `world`. From then on it is tested against all links again.
     ///
     /// # Errors
     /// As [`PlanningScene::place`].
     pub fn detach(&mut self, object: BodyId, world: &Pose) -> Result<(), PlanningError> {
         self.check_object(object)?;
-        // First, so that an error detaches nothing.
+        // Checked first, so that an error detaches nothing.
         crate::scene::check_pose(world)?;
         self.scene.detach(object)?;
         self.stamp = stamp();

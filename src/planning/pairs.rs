@@ -6,8 +6,8 @@ use super::workspace::Workspace;
 use crate::scene::{BodyId, PairReport};
 
 impl PlanningScene {
-    /// Whether two bodies meet at no, some or all values of all joints of the robot within their limits
-    /// ([`Scene::classify_pair`](crate::Scene::classify_pair)). Tests at most `boxes` boxes of values.
+    /// Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot
+    /// ([`Scene::classify_pair`](crate::Scene::classify_pair))? Tests at most `boxes` boxes of values.
     ///
     /// # Errors
     /// [`PlanningError::Scene`]: there is no such body, both are the same, or both are clouds.

@@ -1,4 +1,4 @@
-//! Workspaces of a scene, and where the robot is in them.
+//! Workspaces of a scene, and the placement of the robot in them.
 
 use super::PlanningNode;
 use super::error::PlanningError;
@@ -11,7 +11,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 impl PlanningScene {
-    /// Memory for queries, one for each thread. It serves this scene, its copies, and all later states of them.
+    /// Memory for queries, one for each thread. It serves this scene and its copies, also after they change.
     #[must_use]
     pub fn workspace(&self) -> Workspace {
         let robot = self.robot.robot();

@@ -1,9 +1,10 @@
 //! RRT-Connect on certified motions (Kuffner and `LaValle`, ICRA 2000).
 //!
-//! Two trees of configurations grow from the start and from the goals, in turn: one towards a random configuration, the
-//! other towards the new one, until they meet. Every motion is certified at all times. The path is then shortened by
-//! straight motions between two of its configurations.
+//! Two trees of configurations grow from the start and from the goals. They take turns: one grows towards a random
+//! configuration, and the other towards the new one, until they meet. Every motion is certified at all times. Straight
+//! motions between two configurations of the path then shorten it.
 
+use super::angles::shorter_way;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
@@ -13,13 +14,13 @@ use alloc::vec::Vec;
 /// How to plan.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct PlanSettings {
-    /// Longest motion by which a tree grows, in the joints. Positive.
+    /// Longest motion that extends a tree, as a distance in joint space. Positive.
     pub step: f64,
-    /// Greatest number of random configurations.
+    /// Maximum number of random configurations.
     pub configurations: u32,
     /// Number of straight motions that are tried to shorten the path.
     pub shortcuts: u32,
-    /// Start of the random numbers. The same seed gives the same path on every machine.
+    /// Seed of the random numbers. The same seed gives the same path on every machine.
     pub seed: u64,
 }
 
@@ -35,7 +36,7 @@ pub struct PlannedPath {
     /// The configurations from the start to a goal. The straight motions between them are certified. Empty if no path
     /// was found.
     pub path: Vec<Vec<f64>>,
-    /// Length of the path in the joints.
+    /// Length of the path in joint space.
     pub length: f64,
     /// Number of motions that were checked.
     pub motions: u32,
@@ -74,7 +75,7 @@ impl Tree {
         &self.values[variables * index..][..variables]
     }
 
-    /// The configurations from one to its root.
+    /// The configurations from a node to its root.
     fn to_root(&self, mut index: usize) -> Vec<Vec<f64>> {
         let mut path = alloc::vec![self.node(index).to_vec()];
         while self.parents[index] != index {
@@ -92,11 +93,13 @@ struct PathSearch<'s> {
     settings: &'s PlanSettings,
     random: SplitMix64,
     motions: u32,
+    /// Whether each variable belongs to a continuous joint.
+    is_continuous: Vec<bool>,
 }
 
 impl PlanningScene {
-    /// A path of certified motions from the start to one of the goals. Goals that are not free are ignored. Without a
-    /// path, the plan is empty: there is none, or [`PlanSettings::configurations`] are too few.
+    /// A path of certified motions from the start to one of the goals. Goals that are not free are ignored. If no path
+    /// was found, the plan is empty: none exists, or [`PlanSettings::configurations`] is too small.
     ///
     /// # Errors
     /// [`PlanningError::Step`] if the step is not positive; as [`PlanningScene::is_free`], for the start and the goals.
@@ -111,7 +114,8 @@ impl PlanningScene {
             return Err(PlanningError::Step { given: settings.step });
         }
         let random = SplitMix64(settings.seed);
-        let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0 };
+        let is_continuous = (0..self.variables()).map(|variable| self.is_continuous(variable)).collect();
+        let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0, is_continuous };
         let (mut from, mut to) = (Tree::new(), Tree::new());
         if self.is_free(search.workspace, start)? {
             from.add(start, None);
@@ -138,7 +142,7 @@ impl PlanningScene {
 
 impl PathSearch<'_> {
     fn connect(&mut self, from: &mut Tree, to: &mut Tree) -> Result<Vec<Vec<f64>>, PlanningError> {
-        // The straight way first.
+        // Try the straight motion first.
         let mut target = to.node(0).to_vec();
         let mut is_from_start = true;
         for _ in 0..=self.settings.configurations {
@@ -150,7 +154,7 @@ impl PathSearch<'_> {
                         let (near, far) = (tree.to_root(new), other.to_root(met));
                         let (mut path, rest) = if is_from_start { (near, far) } else { (far, near) };
                         path.reverse();
-                        // Both end with the configuration where the trees met.
+                        // Both end with the configuration at which the trees met.
                         path.extend(rest.into_iter().skip(1));
                         return Ok(path);
                     }
@@ -167,14 +171,8 @@ impl PathSearch<'_> {
     /// Grows a tree by one motion towards a target, at most a step long. Returns the new node, and whether it is the
     /// target; `None` if the motion is not free.
     fn extend(&mut self, tree: &mut Tree, target: &[f64]) -> Result<Option<(usize, bool)>, PlanningError> {
-        let mut nearest = (f64::INFINITY, 0);
-        for index in 0..tree.parents.len() {
-            let distance = self.scene.distance(tree.node(index), target)?;
-            if distance < nearest.0 {
-                nearest = (distance, index);
-            }
-        }
-        let (distance, index) = nearest;
+        let index = self.nearest(tree, target);
+        let distance = self.scene.distance(tree.node(index), target)?;
         let is_reached = distance <= self.settings.step;
         let next = if is_reached {
             target.to_vec()
@@ -190,9 +188,24 @@ impl PathSearch<'_> {
         })
     }
 
+    fn nearest(&self, tree: &Tree, target: &[f64]) -> usize {
+        let mut nearest = (f64::INFINITY, 0);
+        for (index, node) in tree.values.chunks_exact(target.len().max(1)).enumerate() {
+            let mut square = 0.0;
+            for (i, (from, to)) in node.iter().zip(target).enumerate() {
+                let (from, to) = if self.is_continuous[i] { shorter_way(*from, *to) } else { (*from, *to) };
+                square += (to - from) * (to - from);
+            }
+            if square < nearest.0 {
+                nearest = (square, index);
+            }
+        }
+        nearest.1
+    }
+
     fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanningError> {
         self.motions += 1;
-        Ok(self.scene.check_motion(self.workspace, [from, to])?.is_free())
+        self.scene.is_motion_free(self.workspace, [from, to])
     }
 
     /// Replaces parts of the path by straight motions.

@@ -1,4 +1,4 @@
-//! A robot, what it stands among, and the group of joints that is planned for.
+//! A robot, the objects around it, and the group of joints that is planned for.
 
 use super::PlanningNode;
 use super::angles::wrapped;
@@ -6,7 +6,7 @@ use super::error::PlanningError;
 use super::model::RobotModel;
 use super::screen::Screen;
 use crate::isa::Isa;
-use crate::motion::{Kinematics, MotionError};
+use crate::motion::{Base, Kinematics, MotionError};
 use crate::pose::Pose;
 use crate::query::Query;
 use crate::scene::{BodyId, Scene, SceneError};
@@ -17,7 +17,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 
 /// A robot among objects, queried by the values of its joints.
 ///
-/// Copies share all trees. Queries take `&self` and a [`Workspace`](super::Workspace) of the thread.
+/// Copies share all trees. Queries take `&self` and the thread's [`Workspace`](super::Workspace).
 #[derive(Clone, Debug)]
 pub struct PlanningScene {
     pub(super) robot: Arc<RobotModel>,
@@ -27,11 +27,11 @@ pub struct PlanningScene {
     pub(super) objects: Vec<(BodyId, String)>,
     /// The variables that are planned for.
     pub(super) variables: Vec<usize>,
-    /// Limits of these.
+    /// Their limits.
     limits: Vec<[f64; 2]>,
-    /// Values of all variables; those that are planned for do not matter.
+    /// Values of all variables; those of the variables that are planned for are ignored.
     pub(super) rest: Vec<f64>,
-    pub(super) base: Pose,
+    pub(super) base: Base,
     pub(super) query: Query,
     pub(super) resolution: f64,
     /// Width of the cells of grids, if [`PlanningScene::free`] uses bounds.
@@ -41,7 +41,7 @@ pub struct PlanningScene {
     pub(super) stamp: u64,
 }
 
-/// A number that no scene has had before.
+/// A number that no other scene has.
 pub(super) fn stamp() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
@@ -74,7 +74,7 @@ impl PlanningScene {
             rest: limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect(),
             variables: (0..limits.len()).collect(),
             limits,
-            base: Pose::IDENTITY,
+            base: Base::ORIGIN,
             query: Query::new(Isa::detect()),
             resolution: 1e-6,
             cell: None,
@@ -87,24 +87,24 @@ impl PlanningScene {
         })
     }
 
-    /// With another query: an instruction set, or a budget.
+    /// Sets the query: its instruction set and its budget.
     #[must_use]
     pub fn with_query(self, query: Query) -> Self {
         Self { query, stamp: stamp(), ..self }
     }
 
-    /// With another resolution of motions, 1e-6 by default: the length of the shortest interval of time that a motion is
-    /// split into ([`Scene::check_motion`]).
+    /// Sets the resolution of motions, 1e-6 by default: the length of the shortest interval of time into which a motion
+    /// is split ([`Scene::check_motion`]).
     #[must_use]
     pub fn with_resolution(self, resolution: f64) -> Self {
         Self { resolution, stamp: stamp(), ..self }
     }
 
-    /// Plans for a group of joints of the robot's SRDF file only. All other variables keep the values `rest`, which has
-    /// one for each variable of the robot.
+    /// Plans for a group of joints of the robot's SRDF file only. All other variables keep their values in `rest`,
+    /// which has one for each variable of the robot.
     ///
     /// # Errors
-    /// [`PlanningError::NoGroup`]; [`PlanningError::Scene`] if a value of `rest` is outside of its limits.
+    /// [`PlanningError::NoGroup`]; [`PlanningError::Scene`] if a value of `rest` is outside its limits.
     pub fn select_group(&mut self, name: &str, rest: &[f64]) -> Result<(), PlanningError> {
         self.robot.robot().kinematics()?.check(rest)?;
         let group = self.robot.groups().iter().find(|group| group.name == name);
@@ -122,7 +122,7 @@ impl PlanningScene {
     /// [`PlanningError::Scene`] if a scene does not accept the pose.
     pub fn place_base(&mut self, world: &Pose) -> Result<(), PlanningError> {
         crate::scene::check_pose(world)?;
-        self.base = *world;
+        self.base = (*world).into();
         self.stamp = stamp();
         self.set_screen();
         Ok(())
@@ -187,13 +187,13 @@ impl PlanningScene {
         links.chain(objects).find(|(body, _)| **body == id).map_or("", |(_, name)| name)
     }
 
-    /// The robot.
+    /// The robot model.
     #[must_use]
     pub fn robot(&self) -> &Arc<RobotModel> {
         &self.robot
     }
 
-    /// The query that decides.
+    /// The query that the scene uses.
     #[must_use]
     pub const fn query(&self) -> &Query {
         &self.query
@@ -211,8 +211,8 @@ impl PlanningScene {
         self.variables.iter().map(|&variable| self.robot.robot().variables[variable].as_str())
     }
 
-    /// Whether a variable, by its index among those that are planned for, is of a continuous joint, of which motions
-    /// take the shorter way around. False if there is no such variable.
+    /// Whether a variable, by its index among those that are planned for, belongs to a continuous joint, which rotates
+    /// the shorter way around in motions. False if there is no such variable.
     #[must_use]
     pub fn is_continuous(&self, variable: usize) -> bool {
         self.variables.get(variable).is_some_and(|&variable| self.robot.robot().continuous[variable])

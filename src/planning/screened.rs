@@ -1,9 +1,10 @@
-//! Many configurations, decided by bounds where these suffice.
+//! Decides many configurations by bounds where these suffice.
 
 use super::error::PlanningError;
 use super::scene::{PlanningScene, stamp};
 use super::screen::{Doubts, LANES, LaneVerdicts, OpenPair, Screen, ScreenedScene};
 use super::workspace::Workspace;
+use crate::motion::MotionError;
 use crate::node::Box3;
 use crate::query::Query;
 use crate::scene::BodyId;
@@ -11,16 +12,18 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 impl PlanningScene {
-    /// Makes [`PlanningScene::free`] faster, with the same verdicts: most configurations are decided by bounds that are
-    /// certain, sixteen at a time, and the rest by the scene. The bounds are of the distance to all bodies that stand
-    /// still, in cells of this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and
-    /// inside of the links. Every change of the objects computes the cells near them again.
+    /// Speeds up [`PlanningScene::free`] and motion queries without changing a verdict: conservative bounds decide most
+    /// configurations, and most spans of motions, sixteen at a time; the scene decides the rest. The bounds use a grid
+    /// of distances to all bodies that stand still, with cells of this width, such as 0.02 m, one byte each and 4
+    /// million at most, and spheres around and inside the links. Every change of the objects recomputes the cells near
+    /// them.
     ///
-    /// Tables of pairs of links are made once a robot, which takes 7 s for the Panda and 15 s for a UR5 with a gripper. A
-    /// link that is a shape has one sphere around it, which decides less than those of a mesh.
+    /// Spheres, grids and tables of the links are computed once per robot, on all threads with the feature `rayon`.
+    /// That takes seconds for links that are meshes: the bench `lanes` measures it. A link that is a shape has one
+    /// sphere around it, which decides less than the spheres of a mesh; so has an attached object.
     ///
-    /// Where the bounds do not apply, all configurations are decided by the scene: while an object is attached, with a
-    /// budget, and for robots whose links cannot be covered by spheres.
+    /// The scene decides everything if the bounds do not apply: with a budget, for robots whose links cannot be covered
+    /// by spheres, and while an object is attached that is neither a shape nor a mesh.
     ///
     /// # Errors
     /// [`PlanningError::Cell`] if the width is not positive and finite.
@@ -34,14 +37,14 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Bytes of the cells of [`PlanningScene::use_bounds`]. `None` where the bounds do not apply.
+    /// Bytes of the cells of [`PlanningScene::use_bounds`]. `None` if the bounds do not apply.
     #[must_use]
     pub fn bound_bytes(&self) -> Option<usize> {
         self.screen.as_ref().map(|screen| screen.bytes())
     }
 
-    /// Which configurations the bounds of [`PlanningScene::use_bounds`] decide, and how: `None` for one that
-    /// [`PlanningScene::free`] decides by the scene.
+    /// The verdicts of the bounds of [`PlanningScene::use_bounds`]: `None` for a configuration that
+    /// [`PlanningScene::free`] leaves to the scene.
     ///
     /// # Errors
     /// As [`PlanningScene::free`].
@@ -70,21 +73,22 @@ impl PlanningScene {
         Ok(verdicts)
     }
 
-    /// Makes the bounds, if they are wanted, for the scene as it is now. None where they do not apply, or where what
-    /// they ask of the scene is an error: a change of the scene does not fail because of its bounds.
+    /// Makes the bounds for the current scene, if they are wanted. Makes none if they do not apply, or if a query of
+    /// the scene fails: a change of the scene does not fail because of its bounds.
     pub(super) fn set_screen(&mut self) {
         self.screen = self.new_screen().map(Arc::new);
     }
 
     fn new_screen(&self) -> Option<Screen> {
-        // First, since those of a robot are made on request.
+        // Checked first, since a robot's bounds are made on request.
         let cell = self.cell?;
         let bounds = self.robot.bounds()?;
         let (objects, placed) = (self.object_ids(), self.workspace_at_rest()?);
         Screen::new(&self.around(&placed, &objects), bounds, cell).ok()?
     }
 
-    /// As [`PlanningScene::set_screen`], after one object was inserted, moved or removed that was in the box `before`.
+    /// As [`PlanningScene::set_screen`], after one object, previously in the box `before`, was inserted, moved or
+    /// removed.
     pub(super) fn update_screen(&mut self, id: BodyId, before: Option<Box3>) {
         match self.screen.take() {
             None => self.set_screen(),
@@ -109,8 +113,8 @@ impl PlanningScene {
         self.objects.iter().map(|(id, _)| *id).collect()
     }
 
-    /// The scene with the robot where it is at the values of variables that are not planned for. `None` if the scene
-    /// refuses its poses.
+    /// The scene with the robot at the values of the variables that are not planned for. `None` if the scene refuses a
+    /// pose.
     fn workspace_at_rest(&self) -> Option<Workspace> {
         let values: Vec<f64> = self.variables.iter().map(|&variable| self.rest[variable]).collect();
         let mut workspace = self.workspace();
@@ -129,7 +133,7 @@ impl PlanningScene {
         }
     }
 
-    /// Which configurations of a run are free?
+    /// Which configurations of a job are free?
     pub(super) fn free_of_job(
         &self,
         workspace: &mut Workspace,
@@ -138,7 +142,7 @@ impl PlanningScene {
     ) -> Result<(), PlanningError> {
         let length = self.variables();
         let has_budget = self.query.budget() != u64::MAX;
-        // Before its memory is used, which may be that of other bounds.
+        // Called before the workspace's memory is used, which may belong to other bounds.
         self.serve(workspace);
         let screen = self.screen.as_ref().filter(|_| !has_budget);
         let Some((screen, mut doubts)) = screen.zip(workspace.doubts.take()) else {
@@ -154,7 +158,7 @@ impl PlanningScene {
         found
     }
 
-    /// As [`PlanningScene::free_of_job`], of up to sixteen.
+    /// As [`PlanningScene::free_of_job`], for up to sixteen configurations.
     fn free_of_lanes(
         &self,
         workspace: &mut Workspace,
@@ -175,7 +179,7 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Checks the values of up to sixteen configurations, and writes them to lanes. Returns these.
+    /// Checks the values of up to sixteen configurations, and writes them to lanes. Returns the mask of these lanes.
     fn fill_lanes(
         &self,
         workspace: &mut Workspace,
@@ -195,7 +199,7 @@ impl PlanningScene {
         Ok(lanes)
     }
 
-    /// Whether no pair of bodies meets, of those that bounds left open in a configuration. Places these bodies only.
+    /// Whether no pair of bodies that the bounds left open in a configuration meets. Places only these bodies.
     fn are_open_pairs_free<'s>(
         &self,
         workspace: &mut Workspace,
@@ -206,20 +210,30 @@ impl PlanningScene {
         if !workspace.is_placed {
             self.go_to(workspace, values)?;
         }
+        self.complete(values, &mut workspace.values[0])?;
+        self.are_pairs_free(workspace, pairs)
+    }
+
+    /// As [`PlanningScene::are_open_pairs_free`], at the values of all variables in the workspace, which may be those
+    /// of a motion.
+    pub(super) fn are_pairs_free<'s>(
+        &self,
+        workspace: &mut Workspace,
+        pairs: impl Iterator<Item = OpenPair<'s>>,
+    ) -> Result<bool, PlanningError> {
         let Workspace { scene, links, poses, values: [all, ..], .. } = workspace;
-        self.complete(values, all)?;
-        self.kinematics().go_to(all, links, poses)?;
+        self.kinematics().place(all, links, poses).map_err(MotionError::from)?;
         for pair in pairs {
-            let (a, others) = match pair {
-                OpenPair::Standing(a, others) => (a, others),
-                OpenPair::Own([a, b]) => {
-                    scene.place(self.links[b], &poses[b])?;
-                    (a, core::slice::from_ref(&self.links[b]))
+            let ((id, carrier), others) = match pair {
+                OpenPair::Standing(moved, others) => (moved, others),
+                OpenPair::Own([moved, (ref other, carrier)]) => {
+                    scene.place(self.links[carrier], &poses[carrier])?;
+                    (moved, core::slice::from_ref(other))
                 }
             };
-            scene.place(self.links[a], &poses[a])?;
+            scene.place(self.links[carrier], &poses[carrier])?;
             for &other in others {
-                if scene.do_meet(&self.query, self.links[a], other)? {
+                if scene.do_meet(&self.query, id, other)? {
                     return Ok(false);
                 }
             }
@@ -235,7 +249,7 @@ mod tests {
     use crate::primitive::Shape;
     use crate::scene::Body;
 
-    /// They take seconds of some robots, which a scene that is not asked for them must not cost.
+    /// They take seconds for some robots, which a scene that does not use them must not cost.
     #[test]
     fn bounds_of_a_robot_are_made_on_request() {
         let arm = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/arm/arm.urdf");

@@ -1,4 +1,4 @@
-//! Points of a scan that are the robot's own.
+//! Filters the points of a scan that belong to the robot.
 
 use super::PlanningNode;
 use super::error::PlanningError;
@@ -14,12 +14,12 @@ use crate::scene::{Body, BodyId, Groups, Scene, SceneError};
 use alloc::vec::Vec;
 
 impl PlanningScene {
-    /// Which points of the world are within `margin` of the robot in a configuration, or inside of it: what a scan must
-    /// lose before it becomes an obstacle. Objects that are attached count as parts of the robot. A link that is a
-    /// surface has no inside ([`LinkGeometry::is_solid`](super::LinkGeometry::is_solid)).
+    /// Which points of the world are within `margin` of the robot in a configuration, or inside it? Remove these points
+    /// from a scan before it becomes an obstacle. Attached objects count as parts of the robot. A link that is a
+    /// surface has no interior ([`LinkGeometry::is_solid`](super::LinkGeometry::is_solid)).
     ///
-    /// Exact up to the rounding of poses, as all verdicts of a scene. A point that is not finite, such as a pixel without
-    /// a depth, is not near.
+    /// Exact up to the rounding of poses, like all verdicts of a scene. A point that is not finite, such as a pixel
+    /// without a depth, is not near.
     ///
     /// # Errors
     /// As [`PlanningScene::is_free`]; the margin is negative, NaN or too large.
@@ -51,15 +51,15 @@ impl PlanningScene {
     }
 }
 
-/// The parts of a robot where they are, and a point that is moved about.
+/// The parts of a robot at their poses, and a movable point.
 struct SelfFilter {
     scene: Scene<'static, PlanningNode>,
     point: BodyId,
     parts: Vec<(BodyId, Box3)>,
     margin: f64,
-    /// Between a point and the box around a part that is within the margin.
+    /// A point within the margin of a part is at most this far outside the part's box along each axis.
     reach: f64,
-    /// The box around all of them.
+    /// The box around all parts.
     all: Box3,
 }
 

@@ -8,26 +8,27 @@ use crate::range::Point;
 use crate::scene::{MotionHit, Scene};
 use alloc::vec::Vec;
 
-/// Pending pairs of bodies in intervals of time. Motions of a robot of 42 bodies among a dozen objects need less.
+/// Capacity for pending pairs of bodies in intervals of time. Motions of a robot of 42 bodies among a dozen objects
+/// need less.
 const WAITING: usize = 8192;
 
 /// Memory for the queries of one thread: a copy of the scene in which the robot moves, with the trees shared.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// That of the scene copied.
+    /// The stamp of the copied scene.
     pub(super) stamp: u64,
     pub(super) scene: Scene<'static, PlanningNode>,
     /// Whether all bodies of the robot were placed once.
     pub(super) is_placed: bool,
     pub(super) links: Vec<LinkFrame>,
-    /// Two for each body of the robot.
+    /// Two poses for each body of the robot.
     pub(super) poses: Vec<Pose>,
     /// Values of all variables: now, and at both ends of a motion.
     pub(super) values: [Vec<f64>; 3],
     pub(super) waiting: Vec<MotionHit>,
-    /// Of a point, by each variable.
+    /// The derivatives of a point with respect to each variable.
     pub(super) derivatives: Vec<Point>,
-    /// Of sixteen configurations.
+    /// Memory for sixteen configurations.
     pub(super) doubts: Option<Doubts>,
 }
 

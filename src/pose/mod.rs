@@ -38,8 +38,8 @@ pub enum PoseError {
     },
     /// The matrix is a reflection: its determinant is -1.
     Mirrored,
-    /// The quaternion does not have unit length within [`Pose::TOLERANCE`]. A deviation of 1 is that of (0, 0, 0, 0),
-    /// the value in an uninitialised message.
+    /// The quaternion does not have unit length within [`Pose::TOLERANCE`]. The deviation of (0, 0, 0, 0), the value in
+    /// an uninitialised message, is 1.
     NotUnit {
         /// The absolute difference of the squared length from 1.
         deviation: f64,
@@ -70,9 +70,9 @@ impl fmt::Display for PoseError {
 impl core::error::Error for PoseError {}
 
 impl Pose {
-    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion q.
-    /// Accepts numbers written with five digits (which are 2e-5 off in a quaternion) or in `f32` (3e-7), and rejects
-    /// scaled rotations.
+    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion q. Accepts
+    /// numbers written with five digits (errors of 2e-5 in a quaternion) or in `f32` (3e-7), and rejects scaled
+    /// rotations.
     pub const TOLERANCE: f64 = 1e-4;
 
     /// The identity.
@@ -93,8 +93,8 @@ impl Pose {
         pose.checked()
     }
 
-    /// The pose of a rotation and a translation. [`TryFrom`] accepts quaternions and single-precision types, and
-    /// those of mint and nalgebra with the features of these names. It converts to `f64` first.
+    /// The pose of a rotation and a translation. [`TryFrom`] also accepts quaternions and single-precision types, and
+    /// with the features of these names, types of mint and nalgebra. It converts to `f64` first.
     ///
     /// A quaternion must have unit length within [`Pose::TOLERANCE`], and is then normalised. So the matrix is a
     /// rotation to within `f64` rounding, even if the quaternion had few digits.
@@ -141,8 +141,8 @@ impl Pose {
         [flush(x), flush(y), flush(z)]
     }
 
-    /// The inverse motion about the image of c: maps the image of c to c, and offsets from it by the transpose of R.
-    /// Not checked: its translation may be larger than a pose's.
+    /// The inverse motion about the image of c: maps the image of c to c, and rotates offsets from it by the transpose
+    /// of R. Not checked: its translation may be larger than a pose's.
     pub(crate) fn back_to(&self, c: &Point) -> Self {
         let (r, q) = (&self.rows, self.unflushed_called(c));
         let along = |j: usize| c[j] - ((r[0][j] * q[0] + r[1][j] * q[1]) + r[2][j] * q[2]);
@@ -252,7 +252,7 @@ impl Pose {
     /// The largest absolute entry of `R R^T - 1`.
     pub(crate) fn deviation(&self) -> f64 {
         let r = &self.rows;
-        // An overflowing product makes that of its row with itself infinite. `max` ignores a NaN.
+        // If a product overflows, so does the product of its row with itself, to infinity. `max` ignores a NaN.
         let off = |i: usize, j: usize| (dot(&r[i], &r[j]) - if i == j { 1.0 } else { 0.0 }).abs();
         let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
         pairs.iter().fold(0.0, |m: f64, &(i, j)| m.max(off(i, j)))

@@ -53,9 +53,9 @@ impl Relative {
         ROUNDING * max_coordinate + self.error
     }
 
-    /// The margin to use in a query with [`Relative::pose`], so that bodies reported free are more than `margin`
-    /// apart in the world. `max_coordinate` bounds the coordinates of A, and `radii` the sum of any two radii of A's
-    /// and B's primitives; it is 0 for triangles.
+    /// The margin to use in a query with [`Relative::pose`], so that bodies reported free are more than `margin` apart
+    /// in the world. `max_coordinate` bounds the coordinates of A, and `radii` bounds the sum of a radius of A's
+    /// primitives and one of B's; it is 0 for triangles.
     ///
     /// The result adds the [error](Relative::error), and the change of lengths by the pose of B, which is only nearly
     /// a rotation.
@@ -67,7 +67,7 @@ impl Relative {
     /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// use glam::{DQuat, DVec3};
     /// let world_a = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5)))?;
-    /// // A corner of each is at one place.
+    /// // A corner of A and a corner of B coincide.
     /// let world_b = Pose::try_from((DQuat::from_rotation_x(-1.1), DVec3::new(1.0, 2.0, 0.5)))?;
     /// let a_in_b = Pose::relative(&world_a, &world_b)?;
     /// let margin = a_in_b.margin(0.0, body.view().header().max_coordinate, 0.0);
@@ -129,9 +129,9 @@ impl Pose {
         Inverted { rows: [along(0), along(1), along(2)], skew: self.skew() }
     }
 
-    /// Bound of the relative change of lengths by the matrix. A singular value is no farther from 1 than its square,
-    /// an eigenvalue of `R transpose(R)`, which is within three times the greatest entry of `R transpose(R) - 1` of
-    /// 1.
+    /// Bound of the relative change of lengths by the matrix. A singular value is no farther from 1 than its square, an
+    /// eigenvalue of `R transpose(R)`. The square differs from 1 by at most three times the greatest entry of `R
+    /// transpose(R) - 1`.
     #[inline(always)]
     pub(crate) fn skew(&self) -> f64 {
         let m = &self.rows;

@@ -100,7 +100,7 @@ fn a_quaternion_that_is_nearly_a_unit_one_gives_a_rotation() {
     assert_eq!(of([0.0, 0.0, 0.0, 1.0]).unwrap().rows(), Pose::IDENTITY.rows());
 }
 
-/// Vertices of the cube of all points, rotated onto an axis and translated: no accepted pose moves them farther.
+/// Vertices of the cube of all points, rotated onto an axis and translated: no accepted pose moves a point farther.
 #[test]
 fn moved_points_are_in_the_range_of_moved_points() {
     let mut farthest = 0.0;

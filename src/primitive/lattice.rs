@@ -1,9 +1,9 @@
 //! Points as 32-bit integers: for cores without `f64`, which multiply integers in one cycle.
 //!
 //! A step of the lattice is 2^-25 of the bodies' largest coordinate, or a little more. This is a hundred times as fine
-//! as `f32`, and the difference of two points is exact. A result on the lattice is certain only with a pad for where
-//! the points really are: those of a body as [`Pose::apply`] moves them in `f64`. On each axis, a coordinate is off by
-//! less than this many steps:
+//! as `f32`, and the difference of two points is exact. A result on the lattice is certain only with a pad for the
+//! distance from the exact points, which [`Pose::apply`] moves in `f64`. On each axis, a coordinate is off by less
+//! than this many steps:
 //!
 //! | source | a point that a pose moves | another point |
 //! |---|---|---|
@@ -25,7 +25,7 @@ pub(crate) const OFF_MOVED: i32 = 4;
 /// The same for a point that is not moved.
 pub(crate) const OFF_STILL: i32 = 1;
 
-/// A lattice for two bodies at a relative pose, in the coordinates of the body that stays.
+/// A lattice for two bodies at a relative pose, in the coordinates of the body that is not moved.
 #[derive(Copy, Clone, Debug)]
 pub struct Lattice {
     /// There are `2^exponent` steps in the bodies' unit.
@@ -41,8 +41,8 @@ pub struct Lattice {
 const BITS: i32 = 26;
 
 impl Lattice {
-    /// For a body that `pose` moves and one that stays, from their largest coordinates. `None` if the scale is out of
-    /// the range of `f32`.
+    /// For a body that `pose` moves and one that it does not, from their largest coordinates. `None` if the scale is
+    /// out of the range of `f32`.
     #[inline(never)]
     pub(crate) fn new(pose: &Pose, moved: f64, still: f64) -> Option<Self> {
         let translation = pose.translation();

@@ -1,9 +1,9 @@
 //! Primitives: what the leaves of a hierarchy contain.
 //!
-//! A [`Primitive`] is a type of geometry: triangles and spheres today. Hierarchies, their header, the packer and the
-//! traversal are the same for all types. This module has what differs: how primitives are stored and read, how a pose
-//! moves them, and whether a plane bounds them. The tests of one primitive against another have a trait of their own,
-//! [`crate::query::PrimitivePair`].
+//! A [`Primitive`] is a type of geometry: triangles, spheres or shapes. Hierarchies, their header, the packer and the
+//! traversal are the same for all types. This module contains what differs: how primitives are stored and read, how a
+//! pose moves them, and whether a plane bounds them. The trait [`crate::query::PrimitivePair`] tests one primitive
+//! against another.
 
 mod ball;
 mod kind;

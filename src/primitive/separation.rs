@@ -1,8 +1,8 @@
-//! The distance of two primitives.
+//! The distance between two primitives.
 
 use crate::range::Point;
 
-/// The distance of two primitives, and their closest points.
+/// The distance between two primitives, and their closest points.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Separation {
     /// Lower bound of the distance.

@@ -24,8 +24,29 @@ pub(crate) fn is_within(a: &Sphere, b: &Triangle, margin: f64, exact: &mut u64) 
     excess(&a.centre, b, [a.radius, margin]) <= 0.0
 }
 
-/// The distance of the two, or `None` if it is certainly greater than `limit`. The sphere's closest point comes first.
-/// The relative difference of the bounds is at most `tolerance`, which is at least 2^-42.
+/// Whether a point of the triangle is nearer to the centre than the radius. Exact.
+pub(crate) fn has_point_inside(a: &Sphere, b: &Triangle, exact: &mut u64) -> bool {
+    let is_beside = (0..3).any(|i| {
+        let [p, q, r] = b.each_ref().map(|corner| corner[i] - a.centre[i]);
+        // Rounding keeps the order of numbers.
+        p.min(q).min(r) > a.radius || p.max(q).max(r) < -a.radius
+    });
+    if is_beside {
+        return false;
+    }
+    let foot = Foot::of(&a.centre, b);
+    if foot.upper < a.radius * (1.0 - ROUNDING) {
+        return true;
+    }
+    if foot.lower > a.radius * (1.0 + ROUNDING) {
+        return false;
+    }
+    *exact += 1;
+    excess(&a.centre, b, [a.radius, 0.0]) < 0.0
+}
+
+/// The distance between the two, or `None` if it is certainly greater than `limit`. The sphere's closest point comes
+/// first. The relative difference of the bounds is at most `tolerance`, which is at least 2^-42.
 #[inline(always)]
 pub(crate) fn nearer(
     a: &Sphere,

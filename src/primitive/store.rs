@@ -1,4 +1,4 @@
-//! What a type of primitives implements, and primitives as a baked tree stores them, read in place.
+//! The trait of a type of primitives, and the primitives of a baked tree, read in place.
 
 use super::ball::Sphere;
 use super::kind::Kind;
@@ -24,8 +24,8 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     const IS_ROUND: bool = false;
     /// Whether every primitive is a ball, so that trees store a ball for each lane: only [`Spheres`].
     const HAS_BALLS: bool = false;
-    /// Whether every primitive is a part of its own: a solid that is in no other part. If not, each vertex has one
-    /// ball, and primitives that share a vertex are in one part.
+    /// Whether every primitive is a separate part: a solid that shares no vertex with others. If not, each vertex has
+    /// one ball, and primitives that share a vertex are in one part.
     const ARE_PARTS: bool = false;
 
     /// Whether closed sets of these primitives bound solids: only [`Triangles`]. Their records are the indices of three
@@ -51,8 +51,9 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// A vertex in single precision, if narrowing is exact.
     fn narrow(vertex: &Self::Double) -> Option<Self::Single>;
 
-    /// Balls whose convex hull contains what a primitive has of a vertex: of a corner its point, with the radius of the
-    /// primitives of which it is a corner. At least one. NaN if the numbers of a vertex are not valid together.
+    /// Balls whose convex hull contains what a vertex contributes to a primitive: for a corner its point, with the
+    /// radius of the primitives that have this corner. At least one. NaN if the numbers of a vertex are not valid
+    /// together.
     fn balls(vertex: &Self::Double) -> impl Iterator<Item = Sphere>;
 
     /// Applies `number` to each coordinate of a vertex, and to its radius if it has one.
@@ -68,7 +69,7 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// If there is no such primitive.
     fn item(store: &Store<'_, Self>, index: u32) -> Self::Item;
 
-    /// The corners, at least one. Of curved primitives, those of a polytope around them.
+    /// The corners, at least one. For curved primitives, the corners of a polytope around them.
     fn corners(item: &Self::Item) -> impl Iterator<Item = Point>;
 
     /// A point of the primitive.

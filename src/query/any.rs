@@ -16,9 +16,9 @@ use core::ops::ControlFlow;
 pub enum AnyError {
     /// The nodes have different types: rebuild one of the trees.
     OtherNode {
-        /// Of body A.
+        /// Node type of body A.
         a: NodeType,
-        /// Of body B.
+        /// Node type of body B.
         b: NodeType,
     },
     /// The margin or tolerance is invalid.
@@ -44,7 +44,8 @@ impl From<ToleranceError> for AnyError {
 
 macro_rules! ask_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
-        /// Evaluates an expression for two trees of one node type; else returns the error that they are not.
+        /// Evaluates an expression for two trees of one node type; returns [`AnyError::OtherNode`] if their types
+        /// differ.
         macro_rules! with_both {
             ($d a:ident, $d b:ident => $d value:expr) => {
                 match ($d a, $d b) {
@@ -62,7 +63,7 @@ fn other_node<P: Primitive, Q: Primitive>(a: &AnyBvhRef<'_, P>, b: &AnyBvhRef<'_
     AnyError::OtherNode { a: a.node_type(), b: b.node_type() }
 }
 
-// `inline`, so that all node types are compiled where they are used, and not for everyone.
+// `inline`, so that only programs that use these queries compile all node types.
 impl Query {
     /// [`Query::collide`].
     ///

@@ -1,14 +1,14 @@
-//! Solids: whether a body that meets no primitive of another is inside of it.
+//! Solids: whether a body that meets no primitive of another is inside the other.
 //!
-//! Each part of a body is connected. If it meets no triangle of a solid, all of it is inside or all of it outside, so
-//! one moved corner decides. It is inside if the winding number of the surface about it is not zero: the sum over the
-//! triangles that a ray from the corner crosses, 1 where the ray leaves and -1 where it enters
+//! Each part of a body is connected. If it meets no triangle of a solid, it is entirely inside or entirely outside, so
+//! one moved corner decides. The corner is inside if the winding number of the surface about it is not zero: the sum
+//! over the triangles that a ray from the corner crosses, 1 where the ray leaves and -1 where it enters
 //! ([`Primitive::crossing`]). The ray runs along the first axis of B's frame, whichever body is the solid, so that the
 //! test uses the same numbers as all others: corners of A as [`Pose::apply`] moves them.
 //!
 //! The sum includes the [caps](BvhRef::caps) of the solid. A part that meets no triangle may meet a cap, and then is
-//! neither wholly inside nor wholly outside. It counts as inside: [`Query::collide`] and [`Query::distance`] test the
-//! tree of the caps as well.
+//! neither entirely inside nor entirely outside. It counts as inside: [`Query::collide`] and [`Query::distance`] test
+//! the tree of the caps as well.
 //!
 //! For the volumes of the solid's tree the ray is a k-DOP ([`Ray`]), with which the kernels traverse the tree. None of
 //! this runs in a traversal: it is called only if a body is solid and no primitives met.
@@ -29,17 +29,17 @@ use crate::realign::Ray;
 /// The relation of bodies whose primitives do not meet.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) enum Containment {
-    /// Neither has a part inside of the other.
+    /// Neither has a part inside the other.
     Outside,
-    /// A part of one is inside of the other, which is solid. `found` holds the part's primitive and, of the primitives
+    /// A part of one is inside the other, which is solid. `found` holds the part's primitive and, among the primitives
     /// that the ray crosses, the one with the lowest source index. The point is in both bodies.
     Inside { found: Found, point: Point },
     /// The budget was spent before the relation was known. The distance of the bodies is at most `upper`.
     OutOfBudget { upper: f64 },
 }
 
-/// A part that is inside of a solid: the primitive that represents it, the solid's primitive to report with it (of
-/// those that the ray crosses, and of those beside a cap that it crosses), and a point of the part.
+/// A part that is inside a solid: the primitive that represents it, the solid's primitive to report with it (one that
+/// the ray crosses, or one beside a cap that it crosses), and a point of the part.
 struct Inner {
     part: u32,
     crossed: u32,
@@ -54,8 +54,8 @@ struct Descended {
 }
 
 impl Query {
-    /// Whether a part of either body is inside of the other, given that no primitives meet. The work is added to the
-    /// query statistics, whose visits the budget bounds.
+    /// Whether a part of either body is inside the other, given that no primitives meet. Adds its work to the query
+    /// statistics, whose visits the budget bounds.
     // Not inlined: programs whose bodies are surfaces do not need it.
     #[cold]
     #[inline(never)]
@@ -88,8 +88,8 @@ impl Query {
         }
     }
 
-    /// The first part of a body that is inside of a solid; a pose, if there is one, places the body. If the budget was
-    /// spent, the error is an upper bound of the distance of the bodies.
+    /// The first part of a body that is inside a solid; a pose, if given, places the body. If the budget was spent, the
+    /// error is an upper bound of the distance of the bodies.
     fn first_inner<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
         body: &BvhRef<'_, N, Q>,

@@ -2,7 +2,7 @@
 //!
 //! [`Query`] holds the settings, above all the instruction set; its methods are the queries.
 //!
-//! A query has no state that several poses or pairs could share, and allocates nothing: a loop is as fast as any batch.
+//! A query allocates nothing, and several poses or pairs have no state to share: a loop is as fast as any batch.
 //! [`Query`], [`BvhRef`] and [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can divide
 //! the poses, and the answers are those of a single thread:
 //!

@@ -19,7 +19,7 @@ use crate::pose::Pose;
 /// | squares below the normal range of `f32`; radii rounded to more than the widths | 2^-48 |
 /// | radii of bodies 2^50 times larger than the other | everything meets |
 ///
-/// A matrix that makes vectors longer makes the radii grow by the same factor ([`Pose::skew`]).
+/// If a matrix lengthens vectors, the radii grow by the same factor ([`Pose::skew`]).
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct BallMap {
     rows: [[f32; 3]; 3],
@@ -27,7 +27,7 @@ pub(crate) struct BallMap {
     growth: f32,
     pad: f32,
     volume_growth: f32,
-    /// Infinite if volumes of A are beyond `f32` in B's unit.
+    /// Infinite if volumes of A exceed `f32` in B's unit.
     volume_pad: f32,
 }
 

@@ -1,5 +1,5 @@
-//! Planes of moved triangles from their corners on a lattice, in integers: the same keys as in `f64`, where these are
-//! certain.
+//! Planes of moved triangles from their corners on a lattice, in integers: where a key is certain, it is the same as in
+//! `f64`.
 //!
 //! In `f64` ([`super::planes_of`], [`Key::above`]) a plane is computed as follows. x is the greatest support of the
 //! corners about the frame's centre plus its pad, in steps of the planes. Then x plus 2^-23 of x, as an `f32`, is
@@ -45,9 +45,9 @@ const _: () = {
 };
 
 /// Calls `put` with [`super::planes_of`] of corners on a lattice of `2^exponent` steps to the unit, moved by a pose.
-/// Returns a bit for each plane that is not certain: `put` then got an unspecified value, or for [`ALL`] was not
+/// Returns a bit for each plane that is not certain: `put` got an unspecified value for it, or for [`ALL`] was not
 /// called.
-// Does not return the planes, which took as much stack again.
+// Does not return the planes, since that took as much stack again.
 #[inline(always)]
 pub(crate) fn planes_on_lattice<const K: usize, S: Storage>(
     b: &Frame,
@@ -110,7 +110,7 @@ pub(crate) fn some_planes_of<P: Primitive, const K: usize, S: Storage>(
     mut put: impl FnMut(usize, Key<S>),
 ) {
     let is_wanted = |s: usize| wanted >> (2 * s) & 3 != 0;
-    // Not destructured, which copied it.
+    // Not destructured, since that copied it.
     let supports = Supports::<K>::of_slabs::<P>(b, items, is_wanted);
     let scale = b.scale();
     for s in (0..K / 2).filter(|&s| is_wanted(s)) {
@@ -163,7 +163,7 @@ mod tests {
             let size = rng.range(0.0, 0.5);
             let triangle = [0, 1, 2].map(|_| [0, 1, 2].map(|_| rng.range(-size, size)));
             let corners = triangle.map(|p| lattice.moved(lattice.double(&p)));
-            // As small as the inverse pose makes it.
+            // As small as the margin of the inverse pose.
             let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
             let moved = triangle.map(|p| pose.apply(p));
             let truth = planes_of::<Triangles, K, S>(&b, [moved].into_iter(), margin);
@@ -173,7 +173,7 @@ mod tests {
             }
             assert_eq!(found, truth, "{triangle:?} {pose:?} {b:?}");
             certain += usize::from(left == 0);
-            // The planes left, and only those, by whole slabs.
+            // The remaining planes, and only those, by whole slabs.
             let mut rest = [None; K];
             let items = [moved].into_iter();
             some_planes_of::<Triangles, K, S>(&b, items, margin, left, |j, plane| rest[j] = Some(plane));
@@ -194,7 +194,7 @@ mod tests {
         same_as_in_doubles::<6, Fixed>(0.0, 0.0, 12, 6);
         same_as_in_doubles::<18, Fixed>(0.0, 0.0, 12, 6);
         same_as_in_doubles::<32, Fixed>(0.0, 0.0, 12, 6);
-        // As far from the frame as the lattice reaches, where the rounding from `f64` to `f32` is tens of steps.
+        // As far from the frame as the lattice extends, where the rounding from `f64` to `f32` is tens of steps.
         same_as_in_doubles::<6, Fixed>(-2.9, 2.9, 11, 6);
         same_as_in_doubles::<18, Fixed>(-2.9, 2.9, 10, 6);
         // Half floats are coarser than steps nearly everywhere.

@@ -127,7 +127,7 @@ pub fn primitive_slabs<P: Primitive, const K: usize, S: Storage>(
         let w = [u[0][s] as f32, u[1][s] as f32, u[2][s] as f32];
         let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
         let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
-        // What the values of planes are above their numbers.
+        // The amount by which planes exceed their numbers.
         let pad = pad + f64::from(S::OFFSET) * weight_sum;
         // A vector that is zero or not finite is not a direction; weights of a vector whose length is far from 1 could
         // overflow an `f32`.

@@ -1,4 +1,4 @@
-//! Rays as k-DOPs: which parts of a solid may a ray cross?
+//! Rays as k-DOPs: which volumes of a solid may a ray cross?
 //!
 //! To test whether a point p is inside a solid, a query casts a ray from p along the first axis of its own frame, that
 //! of B. Only the first part of the ray, of length L, can reach the solid. Let w be the vector to p from the centre of
@@ -59,7 +59,7 @@ pub struct Ray {
     pad: f64,
 }
 
-/// Relative to a radius: bounds how far an accepted matrix moves a point away from the centre.
+/// Bounds how far an accepted matrix moves a point away from the centre, relative to the radius.
 const SKEW: f64 = power_of_two(-11);
 
 /// Factor on the widths of a box that covers a few roundings.

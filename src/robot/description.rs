@@ -1,4 +1,4 @@
-//! A robot, whatever file describes it.
+//! A robot, in a form independent of the file format.
 
 use super::error::RobotError;
 use super::shapes::LinkShape;
@@ -14,7 +14,7 @@ pub struct Robot {
     pub name: String,
     /// The moving joints, each after its ancestors.
     pub joints: Vec<Joint>,
-    /// Names of the variables: of all moving joints that mimic no other.
+    /// Names of the variables: one for each moving joint that mimics no other.
     pub variables: Vec<String>,
     /// Lower and upper limits of the variables. For a continuous joint, one full turn either way.
     pub limits: Vec<[f64; 2]>,
@@ -35,7 +35,7 @@ pub struct Robot {
 pub struct RobotLink {
     /// Its name.
     pub name: String,
-    /// The joint that moves it, which may be fixed, and the link that this joint is on. `None` for the root.
+    /// The joint to its parent, which may be fixed, and the parent link. `None` for the root.
     pub parent: Option<LinkParent>,
 }
 
@@ -57,12 +57,12 @@ impl Robot {
         Kinematics::new(&self.joints, &self.bodies, &self.limits)
     }
 
-    /// Pairs of bodies to test, by index: those whose relative pose depends on a joint and that `disabled` does not
-    /// contain. In a scene, forbid these pairs to collide, and allow all others
+    /// Pairs of bodies to test, by index: those whose relative pose depends on a joint, except those in `disabled`. In
+    /// a scene, forbid these pairs to collide, and allow all others
     /// ([`Scene::forbid_collision`](crate::scene::Scene::forbid_collision)).
     ///
     /// # Errors
-    /// [`RobotError::UnknownLink`] if the robot has no link of a name in `disabled`.
+    /// [`RobotError::UnknownLink`] if `disabled` names a link that the robot does not have.
     pub fn pairs(&self, disabled: &[DisabledPair]) -> Result<Vec<(usize, usize)>, RobotError> {
         for DisabledPair { links, line, .. } in disabled {
             for link in links {

@@ -29,7 +29,7 @@ pub enum RobotError {
         /// The joint or group.
         name: String,
     },
-    /// The number of geometries is not that of the robot's bodies.
+    /// The number of geometries differs from the number of the robot's bodies.
     Bodies {
         /// Number given.
         given: usize,
@@ -90,14 +90,14 @@ impl fmt::Display for RobotError {
             Self::Bodies { given, needed } => write!(f, "{given} geometries for {needed} bodies"),
             Self::UnknownLink { line, link } => write!(f, "line {line}: the robot has no link {link}"),
             Self::UnknownMember { line, name } => {
-                write!(f, "line {line}: there is no joint or group {name} of this name before this line")
+                write!(f, "line {line}: the robot has no joint {name}, and no group of this name precedes")
             }
             Self::NoSuchLink { joint, link } => {
-                write!(f, "joint {joint} names the link {link}, which there is not")
+                write!(f, "joint {joint} names the link {link}, which does not exist")
             }
             Self::NoTree { link } => write!(f, "the links are no tree: see {link}"),
             Self::Kind { joint } => {
-                write!(f, "joint {joint} is floating, planar or spherical: only those with one axis can be")
+                write!(f, "joint {joint} is floating, planar or spherical: joints need a single axis")
             }
             Self::Mimic { joint } => write!(f, "joint {joint} mimics one that does not move by itself"),
             Self::Joint { joint, error } => write!(f, "joint {joint}: {error}"),

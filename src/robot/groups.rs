@@ -7,7 +7,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use roxmltree::Node;
 
-/// Some of a robot's variables, which are planned for together.
+/// Some of a robot's variables, for planning.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct JointGroup {
     /// Its name.
@@ -17,8 +17,8 @@ pub struct JointGroup {
 }
 
 impl Robot {
-    /// The groups of an SRDF file: the variables of their chains, joints, links and subgroups. Fixed joints and those
-    /// that mimic another add none.
+    /// The groups of an SRDF file: the variables of their chains, joints, links and subgroups. Fixed joints and joints
+    /// that mimic another add no variables.
     ///
     /// # Errors
     /// [`RobotError`]: the text is not an SRDF file, or a group names a link, joint or group that does not exist.

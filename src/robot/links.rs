@@ -74,7 +74,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError`]: the text is not a URDF file, the joints are not a tree, a joint has more than one degree of
-    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose; a length of a shape is not positive.
+    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose; or a length of a shape is not positive.
     pub fn from_urdf(text: &str, shapes: LinkShapes) -> Result<Self, RobotError> {
         read(text, shapes)
     }

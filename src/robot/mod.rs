@@ -1,7 +1,7 @@
 //! Robots from their descriptions: the joints and bodies of a URDF file, and the pairs that an SRDF file disables.
 //!
-//! Links on fixed joints are merged into the moving link before them, so only moving joints remain, as
-//! [`crate::motion::Kinematics`] needs them. Mesh files are named but not read.
+//! Links on fixed joints are merged into the moving link that carries them, so only moving joints remain, as
+//! [`crate::motion::Kinematics`] requires. Mesh files are named but not read.
 
 mod description;
 mod error;

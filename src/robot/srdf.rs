@@ -11,7 +11,7 @@ use roxmltree::{Document, Node};
 pub struct DisabledPair {
     /// The links' names.
     pub links: [String; 2],
-    /// The reason in the file: "Adjacent", "Never", "Default" and others. Most come from sampling.
+    /// The reason in the file: "Adjacent", "Never", "Default" and others. Most reasons come from sampling.
     pub reason: String,
     /// The line of the file, counted from 1.
     pub line: u32,
@@ -34,7 +34,7 @@ impl DisabledPair {
         document.descendants().filter(|node| node.has_tag_name("disable_collisions")).map(pair).collect()
     }
 
-    /// Whether these are its links, in either order.
+    /// Whether these are the two links, in either order.
     #[must_use]
     pub fn is_of(&self, a: &str, b: &str) -> bool {
         let [p, q] = &self.links;

@@ -16,7 +16,7 @@ use crate::range::{MAX_COORDINATE, Point};
 use crate::realign::greatest;
 use core::ops::ControlFlow;
 
-/// Two bodies that meet, and the primitives that do.
+/// Two bodies that meet, and two of their primitives that meet.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub struct SceneHit {
     /// One of the bodies.
@@ -33,7 +33,7 @@ pub struct SceneHit {
 pub enum SceneVerdict {
     /// Two bodies meet, or come within the margin of each other.
     Hit(SceneHit),
-    /// No two tested bodies do.
+    /// No two tested bodies meet, or come within the margin.
     Free,
     /// The budget ran out before the verdict was certain.
     Unknown,
@@ -78,7 +78,7 @@ pub struct SceneDistance {
     pub upper: f64,
     /// Two bodies at distance `upper`.
     pub witness: Option<SceneWitness>,
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`], where the bounds are valid but may be loose.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid but may be loose.
     pub completion: Completion,
     /// Number of pairs of bodies tested.
     pub pairs: u64,
@@ -132,7 +132,7 @@ pub(super) use with_trees;
 
 /// Two bodies to test, and their relative pose.
 pub(super) struct AskedPair<'s, N> {
-    /// Borrowed ones.
+    /// Borrowed, never [`BodyTree::Shared`].
     pub(super) trees: (BodyTree<'s, N>, BodyTree<'s, N>),
     /// The pose of the first in the frame of the second.
     pub(super) relative: Relative,
@@ -145,7 +145,7 @@ pub(super) struct AskedPair<'s, N> {
 }
 
 impl<'s, N: Dop> AskedPair<'s, N> {
-    /// At the given world poses.
+    /// The pair at the given world poses.
     pub(super) fn new([a, b]: [&'s Slot<'_, N>; 2], [world_a, world_b]: [&Pose; 2]) -> Self {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
@@ -155,7 +155,7 @@ impl<'s, N: Dop> AskedPair<'s, N> {
         if let BodyTree::Shape(shape) = &body_a.tree
             && let Core::HalfSpace { .. } = shape.core()
         {
-            // What is compared are points of the half-space near the other body.
+            // The query compares the points of the half-space that are near the other body.
             max_coordinate += 2.0 * (b.size.max_coordinate + greatest(&relative.pose().translation()));
         }
         Self {
@@ -186,7 +186,7 @@ impl<N: Lanes> AskedPair<'_, N> {
         )
     }
 
-    /// The distance of the primitives, in the frame of the second, with the first at a pose there.
+    /// The distance of the primitives in the frame of the second, with the first at this pose there.
     pub(super) fn distance_at(
         &self,
         query: &Query,
@@ -352,8 +352,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.ask_within_at(query, candidate, [&a.world, &b.world], margin)
     }
 
-    /// As `ask_within`, for bodies that may move: those that come near a cap are a hit, too. So if they are free, no
-    /// point of either can get inside of the other by moving no farther than the margin.
+    /// As `ask_within`, for bodies that may move: near a cap they are a hit, too. So if they are free, no point of
+    /// either can get inside the other by moving at most the margin.
     pub(super) fn ask_within_reach(
         &self,
         query: &Query,
@@ -395,7 +395,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         AskedPair::new(slots, worlds).ask_within(query, margin)
     }
 
-    /// Bounds of the distance in the world, and the answer in the frame of b.
+    /// Bounds of the distance in the world, and the answer in the frame of the second body.
     pub(super) fn ask_distance(
         &self,
         query: &Query,
@@ -411,7 +411,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         let off = |x: f64| asked.padded(x) - x;
         let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);
         let upper = match answer.upper {
-            // Of bodies beyond the cutoff, and of those that meet.
+            // The bodies are beyond the cutoff, or meet.
             f64::INFINITY | 0.0 => answer.upper,
             upper => (upper + off(upper) - asked.radii).max(0.0),
         };

@@ -19,12 +19,12 @@ use alloc::sync::Arc;
 #[derive(Copy, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct BodyId {
     pub(super) index: u32,
-    /// How many bodies used this index before.
+    /// How many bodies have used this index before.
     pub(super) generation: u32,
 }
 
 impl BodyId {
-    /// As an integer, for foreign interfaces.
+    /// The id as an integer, for foreign interfaces.
     #[must_use]
     pub const fn to_bits(self) -> u64 {
         (self.generation as u64) << 32 | self.index as u64
@@ -166,7 +166,7 @@ impl<N> BodyTree<'_, N> {
         self.rank() == 2
     }
 
-    /// Where the body is in pairs: a shape comes first, a cloud second.
+    /// The position of the body in pairs: a shape comes first, a cloud second.
     pub(super) const fn rank(&self) -> u8 {
         match self {
             Self::Shape(_) => 0,
@@ -197,7 +197,7 @@ impl<N: Dop> BodyTree<'_, N> {
         }
     }
 
-    /// Of a tree or a cloud.
+    /// The bounds of a tree or a cloud.
     pub(super) fn extent(&self) -> Option<BodyBounds> {
         match self.view() {
             BodyTree::Shapes(tree) => Some(tree.extent()),
@@ -208,7 +208,7 @@ impl<N: Dop> BodyTree<'_, N> {
         }
     }
 
-    /// A ball around the body, but for a half-space.
+    /// A ball around the body. `None` for a half-space.
     fn ball(&self) -> Option<(Point, f64)> {
         let BodyTree::Shape(shape) = self.view() else {
             return self.extent().map(|extent| (extent.frame.centre, extent.radius));
@@ -216,8 +216,8 @@ impl<N: Dop> BodyTree<'_, N> {
         (!shape.is_half_space()).then(|| shape.ball())
     }
 
-    /// A translation after which the bodies are more than a margin apart, in any direction: the balls around them are.
-    /// Neither is a half-space.
+    /// Length of a translation that, in any direction, takes the balls around the bodies more than a margin apart.
+    /// Neither body is a half-space.
     pub(super) fn far(&self, other: &Self, pose: &Pose, margin: f64) -> f64 {
         let ball = |tree: &Self| tree.ball().unwrap_or(([0.0; 3], 0.0));
         let ((a, reach_a), (b, reach_b)) = (ball(self), ball(other));
@@ -299,21 +299,21 @@ impl<'t, N> Body<'t, N> {
         Self { tree: tree.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
     }
 
-    /// With a radius, in the body's unit. Two bodies meet when the distance of their primitives is at most the sum of
+    /// Sets the radius, in the body's unit. Two bodies meet when the distance of their primitives is at most the sum of
     /// their radii.
     #[must_use]
     pub fn with_radius(self, radius: f64) -> Self {
         Self { radius, ..self }
     }
 
-    /// A fixed body. Two fixed bodies are not tested against each other. [`Scene::place`](super::Scene::place) may
-    /// still move it.
+    /// Makes the body fixed. Two fixed bodies are not tested against each other. [`Scene::place`](super::Scene::place)
+    /// may still move it.
     #[must_use]
     pub fn fixed(self) -> Self {
         Self { is_fixed: true, ..self }
     }
 
-    /// With groups that restrict which bodies it is tested against.
+    /// Sets the groups, which restrict the bodies that it is tested against.
     #[must_use]
     pub fn with_groups(self, groups: Groups) -> Self {
         Self { groups, ..self }

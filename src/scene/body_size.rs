@@ -25,13 +25,13 @@ const UNBOUNDED: f64 = power_of_two(900);
 /// A body's size in its own frame, from which its box in the world follows.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct BodySize {
-    /// Of the tree's frame.
+    /// Centre of the tree's frame.
     centre: Point,
     /// Half widths about the centre; negative for a body without primitives.
     half: Point,
     /// Upper bound of the distance of any point from the centre.
     radius: f64,
-    /// What the box is widened by: the body's radius, and the rounding of a body at the origin.
+    /// The box is widened by this: the body's radius, and the rounding of a body at the origin.
     reach: f64,
     /// Largest absolute coordinate.
     pub(super) max_coordinate: f64,
@@ -40,7 +40,7 @@ pub(super) struct BodySize {
 }
 
 impl BodySize {
-    /// For an empty slot.
+    /// The size of an empty slot.
     pub(super) const NOTHING: Self = Self {
         centre: [0.0; 3],
         half: [-1.0; 3],
@@ -72,7 +72,7 @@ impl BodySize {
         }
     }
 
-    /// Of one shape, with a radius around it.
+    /// The size of one shape, with a radius around it.
     fn of_shape(shape: &Shape, widened: f64) -> Self {
         if let Core::HalfSpace { offset, .. } = *shape.core() {
             // Its largest coordinate depends on the other body: `AskedPair::new`.
@@ -136,8 +136,8 @@ impl BodySize {
 }
 
 /// Whether the oriented boxes of two bodies are certainly more than `margin` apart along one of the axes of either. A
-/// direction of length at most 1.0001 separates the bodies if their projections onto it are disjoint by enough. The
-/// axes of a body are perpendicular up to the tolerance of a scene's poses; 2^-14 of the widths covers the rest.
+/// direction of length at most 1.0001 separates the bodies if the gap of their projections is large enough. The axes of
+/// a body are perpendicular up to the tolerance of a scene's poses; 2^-14 of the widths covers the rest.
 #[inline]
 pub(super) fn are_turned_boxes_apart(
     (a, world_a): (&BodySize, &Pose),

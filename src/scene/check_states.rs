@@ -1,7 +1,7 @@
-//! Many configurations at once: which of them are free?
+//! Tests many configurations at once.
 //!
-//! The boxes of sixteen configurations are compared at a time, one in each lane. Near pairs are then tested one by one,
-//! the deepest of each configuration first, until two bodies of the configuration meet.
+//! The search compares the boxes of sixteen configurations at a time, one in each lane. It then tests near pairs one by
+//! one, the deepest of each configuration first, until two bodies of the configuration meet.
 
 use super::body::BodyId;
 use super::broad::{NearPair, depth, insert_by_depth};
@@ -17,7 +17,7 @@ use crate::query::{Completion, Lanes, Query, QueryStats, Verdict};
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct ConfigurationsAnswer {
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`], where free configurations may be left unmarked.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then free configurations may be left unmarked.
     pub completion: Completion,
     /// Number of pairs of bodies tested, counted once for each configuration.
     pub pairs: u64,
@@ -35,7 +35,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     /// Which configurations of the `moving` bodies are free? `poses` holds one pose of each moving body for the first
     /// configuration, then for the second, and so on. Bit i % 16 of `free[i / 16]` is set if configuration i is
     /// certainly free. Attached bodies move along with the moving ones; all others stay where they are. The current
-    /// poses of the moving bodies do not matter. `boxes` must hold [`Scene::room`] entries.
+    /// poses of the moving bodies are ignored. `boxes` must hold [`Scene::room`] entries.
     ///
     /// The budget covers all configurations together.
     ///
@@ -139,7 +139,7 @@ struct Sixteen<'s, 't, 'c, N> {
 /// Capacity of each configuration's list of pairs.
 const WAITING: usize = 16;
 
-/// Near pairs, the deepest of each configuration first, and where the search continues.
+/// Near pairs, the deepest of each configuration first, and the position at which the search continues.
 struct NearLanes {
     pairs: [[NearPair; WAITING]; 16],
     len: [usize; 16],
@@ -204,7 +204,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         }
     }
 
-    /// The world pose of a slot's body in a configuration. That of an attached body is written to `composed`.
+    /// The world pose of a slot's body in a configuration. The pose of an attached body is written to `composed`.
     #[inline]
     fn world<'p>(&'p self, i: usize, lane: usize, composed: &'p mut Pose) -> Result<&'p Pose, SceneError> {
         let slot = &self.scene.memory.slots[i];
@@ -236,7 +236,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         Ok(())
     }
 
-    /// Collects near pairs in the lanes that are free so far, until the list of a lane is full.
+    /// Collects near pairs in the lanes that are free so far, until one lane's list is full.
     #[inline(always)]
     fn gather(&self, kernel: impl Kernel, near: &mut NearLanes, free: u16) {
         let memory = &self.scene.memory;

@@ -1,13 +1,13 @@
-//! Classifies a pair of bodies over all values of a robot's joints: does it meet never, always, or sometimes?
+//! Classifies a pair of bodies over all values of a robot's joints: do they meet never, always, or sometimes?
 //!
-//! Random values find most pairs that sometimes meet long before boxes of values do, and each costs a small part of a
-//! box. So some are tested first, and some more with each box. They are the same in every run.
+//! Random values find most pairs that sometimes meet long before boxes of values do, and testing one costs a small part
+//! of testing a box. So some are tested first, and some more with each box. They are the same in every run.
 //!
-//! The search of boxes tests a box of joint values at its middle. Anywhere in the box, no point of one body is nearer to a point
-//! of the other than at the middle by more than the motion bound along the box's diagonal
+//! The search tests a box of joint values at its middle. Relative to the middle, no two points of the bodies approach
+//! each other anywhere in the box by more than the motion bound along the box's diagonal
 //! ([`Motion::motion_bound_between`]), which sums each joint's share. So two bodies that are farther apart than this at
-//! the middle are free in the whole box, and two whose triangles cross more deeply meet in the whole box. Any other box
-//! is halved, along the joint whose share is greatest.
+//! the middle are free in the whole box, and two whose triangles cross more deeply meet in the whole box. The search
+//! halves any other box along the joint with the largest share.
 
 use super::ask::AskedPair;
 use super::body::{BodyId, BodyTree};
@@ -40,11 +40,11 @@ pub enum PairClass {
     Undecided,
 }
 
-/// The class of a pair, and the configurations that were found.
+/// The class of a pair, and example configurations.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairReport {
     /// The class.
-    pub fate: PairClass,
+    pub class: PairClass,
     /// Values at which the two meet, if any were found.
     pub meeting: Option<Vec<f64>>,
     /// Values at which they do not meet, if any were found.
@@ -55,7 +55,7 @@ pub struct PairReport {
     pub samples: usize,
 }
 
-/// Random configurations before the first box, with each box, and at most.
+/// Number of random configurations before the first box, with each box, and at most in all.
 const SAMPLES_FIRST: usize = 64;
 const SAMPLES_OF_A_BOX: usize = 8;
 const MOST_SAMPLES: usize = 1 << 16;
@@ -78,12 +78,12 @@ impl PairReport {
 type Values = [Vec<f64>; 2];
 
 impl<N: Lanes> Scene<'_, N> {
-    /// Whether two bodies meet within the limits of a robot's joints. `moving` lists the scene's bodies in the order of
-    /// the robot's bodies. All others stand still. Tests at most `boxes` boxes of values, and eight times as many random
-    /// configurations, but at least 64 and at most 65,536.
+    /// Do two bodies meet never, always, or sometimes, within the limits of a robot's joints? `moving` lists the
+    /// scene's bodies in the order of the robot's bodies. All others stand still. Tests at most `boxes` boxes of
+    /// values, and eight times as many random configurations, but at least 64 and at most 65,536.
     ///
     /// # Errors
-    /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] of a body and itself, and
+    /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] for a body and itself, and
     /// [`SceneError::TwoClouds`].
     pub fn classify_pair(
         &mut self,
@@ -116,8 +116,8 @@ impl<N: Lanes> Scene<'_, N> {
         found
     }
 
-    /// Passes a question: what is certain of two bodies in a box of values? It is also certain if both come nearer to
-    /// each other by a length, or go apart.
+    /// Passes `with` a function that classifies the bodies in a box of values. The class stays certain if the bodies
+    /// approach or recede by another length, the function's second argument.
     #[cfg(feature = "planning")]
     pub(crate) fn ask_boxes<T>(
         &mut self,
@@ -150,11 +150,11 @@ impl<N: Lanes> Scene<'_, N> {
 pub(crate) struct BoxClass {
     /// Whether they meet at its middle.
     pub(crate) is_meeting: bool,
-    /// Whether they certainly do, or do not, in all of it.
+    /// Whether the same certainly holds in the whole box.
     pub(crate) is_everywhere: bool,
-    /// Upper bound of how much any point of one moves relative to the other, compared with the middle.
+    /// Upper bound of how far any point of one moves relative to the other, compared with the middle.
     pub(crate) path: f64,
-    /// Where they are at the middle.
+    /// Their poses at the middle.
     pub(crate) poses: [Pose; 2],
 }
 
@@ -175,7 +175,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         let whole = [0, 1].map(|end| limits.iter().map(|limits| limits[end]).collect::<Vec<f64>>());
         let mut waiting = VecDeque::from([whole]);
         let mut report =
-            PairReport { fate: PairClass::Undecided, meeting: None, free: None, boxes: 0, samples: 0 };
+            PairReport { class: PairClass::Undecided, meeting: None, free: None, boxes: 0, samples: 0 };
         let (mut random, roots) = (SplitMix64(1), self.roots());
         while let Some(values) = waiting.pop_front() {
             let samples = (SAMPLES_FIRST + SAMPLES_OF_A_BOX * report.boxes).min(MOST_SAMPLES);
@@ -202,17 +202,17 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
                 Some(variable) => waiting.extend(halves(&values, variable)),
                 None => return Ok(report),
             }
-            report.fate = match (waiting.is_empty(), &report.meeting) {
+            report.class = match (waiting.is_empty(), &report.meeting) {
                 (false, _) => PairClass::Undecided,
                 (true, Some(_)) => PairClass::Always,
                 (true, None) => PairClass::Never,
             };
         }
-        let fate = if report.is_both() { PairClass::Sometimes } else { report.fate };
-        Ok(PairReport { fate, ..report })
+        let class = if report.is_both() { PairClass::Sometimes } else { report.class };
+        Ok(PairReport { class, ..report })
     }
 
-    /// Of the moving bodies, those that move the pair, by index.
+    /// The moving bodies that move the pair, by index.
     fn roots(&self) -> Vec<usize> {
         let carrier = |i: &usize| self.scene.memory.slots[*i].carrier.map(|carrier| carrier as usize);
         self.pair.iter().filter_map(carrier).collect()
@@ -232,8 +232,8 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(values)
     }
 
-    /// Whether bodies that meet, or do not meet, at the middle of a box of values, where they stand, certainly do so in
-    /// all of it, also if they come nearer to each other by another `more`, or go apart.
+    /// Whether the verdict at the middle of a box of values, where the bodies stand, certainly holds in the whole box,
+    /// even if they approach or recede by another `more`.
     fn is_everywhere(&mut self, values: &Values, is_meeting: bool, more: f64) -> Result<bool, SceneError> {
         if is_meeting {
             return self.meets_after(values, more);
@@ -251,7 +251,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
     }
 
     /// Upper bound of how much the bodies, and all points at most `beyond` away from the balls around them, approach
-    /// each other anywhere in a box, compared with its middle, where they stand.
+    /// each other anywhere in a box, compared with its middle, where the bodies stand.
     fn motion_bound(&mut self, values: &Values, beyond: f64) -> Result<f64, SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
@@ -287,17 +287,17 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(widest)
     }
 
-    /// Whether two bodies that meet at the middle of a box certainly meet in all of it.
+    /// Whether two bodies that meet at the middle of a box certainly meet in the whole box.
     fn meets_after(&mut self, values: &Values, more: f64) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
-        // Where they meet, a primitive of one may reach beyond the ball of the other.
+        // A primitive of one that meets the other may reach beyond the other's ball.
         let moved = self.motion_bound(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))? + more;
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {
             // 1e-3 of the radii covers the effect of a matrix that is not quite a rotation.
             let deep = -(moved + 1e-3 * asked.radii);
-            // A body inside of a solid may get out through a cap.
+            // A body inside a solid may get out through a cap.
             let has_caps = asked.trees.0.caps().is_some() || asked.trees.1.caps().is_some();
             return Ok(deep + asked.radii > 0.0 && !has_caps && self.is_within(deep)?);
         }
@@ -319,7 +319,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(matches!(answer.verdict, Verdict::Hit(_)))
     }
 
-    /// As `is_within`, of the bodies and their caps.
+    /// As `is_within`, for the bodies and their caps.
     fn is_within_reach(&self, margin: f64) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| i as u32);
         let answer = self.scene.ask_within_reach(self.query, &self.scene.pair_now(a, b), margin)?;

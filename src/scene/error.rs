@@ -91,10 +91,10 @@ impl fmt::Display for SceneError {
                 write!(f, "the configurations need {boxes} boxes and {words} words")
             }
             Self::TwoClouds { id } => {
-                write!(f, "body {} is a cloud, and is not asked against another one", id.index)
+                write!(f, "body {} is a cloud, which is not tested against another cloud", id.index)
             }
             Self::NoSuchBody { id } => {
-                write!(f, "there is no body {} in the scene, or not any more", id.index)
+                write!(f, "body {} is not, or no longer, in the scene", id.index)
             }
             Self::Radius { given } => {
                 write!(f, "a body's radius of {given}: must be finite and not negative")
@@ -104,7 +104,7 @@ impl fmt::Display for SceneError {
                 write!(f, "body {} is attached to another, and placed with it", id.index)
             }
             Self::Cycle { id } => write!(f, "body {} would be attached to itself", id.index),
-            Self::NoPair { id } => write!(f, "body {} is no pair with itself", id.index),
+            Self::NoPair { id } => write!(f, "body {} cannot form a pair with itself", id.index),
             Self::Motion { bodies, given, poses } => {
                 write!(f, "a motion of {bodies} bodies: {given} are named, and {poses} poses are given")
             }

@@ -17,9 +17,9 @@ pub struct Slot<'t, N> {
     /// Number of bodies attached to this one.
     pub(super) attached: u32,
     pub(super) parent: Option<Attached>,
-    /// Which of the moving bodies of a motion, or of a batch of configurations, this one moves with, by index.
+    /// Index of the moving body, in a motion or a batch of configurations, that this one moves with.
     pub(super) carrier: Option<u32>,
-    /// The last interval of a motion that a motion bound of this body was computed for, and the bound.
+    /// The last interval of a motion for which this body's motion bound was computed, and the bound.
     pub(super) bound: (u32, f64),
     pub(super) world: Pose,
     /// Inverse of the world pose, stored for fixed bodies: they are tested more often than placed.
@@ -37,12 +37,12 @@ impl<N> Clone for Slot<'_, N> {
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Attached {
     pub(super) to: u32,
-    /// The pose in the frame of the other.
+    /// The pose in the frame of the body that it is attached to.
     pub(super) at: Pose,
 }
 
 impl<N> Slot<'_, N> {
-    /// No body.
+    /// An empty slot.
     pub const EMPTY: Self = Self {
         body: None,
         generation: 0,
@@ -55,7 +55,7 @@ impl<N> Slot<'_, N> {
         size: BodySize::NOTHING,
     };
 
-    /// The pose, relative to this body at `world`, of another at `world_a`.
+    /// The pose of a body at `world_a` relative to this one at `world`.
     #[inline]
     pub(super) fn relative(&self, world_a: &Pose, world: &Pose) -> Relative {
         if self.body.as_ref().is_some_and(|body| body.is_fixed) && self.carrier.is_none() {
@@ -130,9 +130,9 @@ impl<T: Clone> Clone for BorrowedOrOwned<'_, T> {
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
     pub(super) slots: BorrowedOrOwned<'t, Slot<'t, N>>,
-    /// Boxes around the bodies in the world, radii included, sixteen at a time; NaN for an empty slot.
+    /// Boxes around the bodies in the world, radii included, in groups of sixteen; NaN for an empty slot.
     pub(super) boxes: BorrowedOrOwned<'t, Aabb16>,
-    /// The pairs to test: bit j of row i. Each pair has its bit in one of its two symmetric places: the row of the
+    /// The pairs to test: bit j of row i. Each pair has its bit in one of two symmetric places: in the row of the
     /// moving body, or else of the lower index. A row has [`Memories::stride`] words.
     rows: BorrowedOrOwned<'t, u16>,
 }

@@ -27,14 +27,14 @@
 //!
 //! **Verdicts hold for the given world poses.** Free is certain: no two tested bodies meet, in exact arithmetic on the
 //! coordinates and poses of both. A hit is exact up to the rounding of the relative pose, about 1e-14 of the
-//! coordinates ([`crate::pose::Relative`]): bodies closer than this count as meeting. A composed pose, such as that of
-//! an attached body, is rounded first, and the verdict holds for the rounded pose.
+//! coordinates ([`crate::pose::Relative`]): bodies closer than this count as meeting. A composed pose, such as the pose
+//! of an attached body, is rounded first, and the verdict holds for the rounded pose.
 //!
 //! **Method.** The SIMD kernels of the point search compare the bodies' bounding boxes in the world, sixteen at a time.
 //! A bit matrix selects the pairs to test. Overlapping pairs go to [`crate::query`], the deepest first.
 //!
-//! **Stack.** As much as the queries need ([`crate::query`]): on a Cortex-M4F, 10 KB in all for a scene and 11 KB for
-//! an edge.
+//! **Stack.** Scenes need as much as the queries do ([`crate::query`]): on a Cortex-M4F, 10 KB in all for a scene query
+//! and 11 KB for a motion query.
 
 mod ask;
 mod body;
@@ -57,6 +57,8 @@ pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict, SceneWitness};
 #[cfg(feature = "alloc")]
 pub use body::SharedTree;
 pub use body::{Body, BodyId, BodyTree, Groups};
+#[cfg(feature = "planning")]
+pub(crate) use check_motion::{Interval, check_resolution};
 pub use check_motion::{MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 pub use check_states::ConfigurationsAnswer;
 #[cfg(feature = "planning")]

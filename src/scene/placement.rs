@@ -14,7 +14,7 @@ pub struct Scene<'t, N> {
     pub(super) memory: Memories<'t, N>,
 }
 
-/// A scene of its own, which shares the trees. The copy of a scene in borrowed memory allocates its own memory.
+/// An independent scene that shares the trees. The copy of a scene in borrowed memory allocates its own.
 #[cfg(feature = "alloc")]
 impl<N> Clone for Scene<'_, N> {
     fn clone(&self) -> Self {
@@ -31,7 +31,7 @@ impl<N> Default for Scene<'_, N> {
 
 impl<N> Scene<'_, N> {
     /// Largest accepted deviation of a world pose's matrix from a rotation: the largest entry of `R R^T - 1`. Less than
-    /// [`Pose::TOLERANCE`], so that every two bodies have a relative pose. Matrices of six digits or in `f32` pass, and
+    /// [`Pose::TOLERANCE`], so that any two bodies have a relative pose. Matrices with six digits or in `f32` pass, and
     /// so does every quaternion that gives a pose.
     pub const TOLERANCE: f64 = 1.5e-5;
 
@@ -109,7 +109,7 @@ impl<'t, N> Scene<'t, N> {
         root
     }
 
-    /// Stores in each slot which of the `moving` bodies its body moves with: itself, or the one that it is attached to.
+    /// Stores in each slot which of the `moving` bodies its body moves with: itself, or the one it is attached to.
     pub(super) fn set_carriers(&mut self, moving: &[BodyId]) -> Result<(), SceneError> {
         for slot in self.memory.slots.iter_mut() {
             slot.carrier = None;
@@ -182,6 +182,8 @@ impl<'t, N: Dop> Scene<'t, N> {
     /// # Errors
     /// [`SceneError`]: the pose, or that of an attached body, is invalid, in which case no body moves; or the body is
     /// itself attached to another.
+    // Inlined with its check, so that a caller who has just made the pose from rows computes their products only once.
+    #[inline]
     pub fn place(&mut self, id: BodyId, world: &Pose) -> Result<(), SceneError> {
         let i = self.index(id)?;
         if self.memory.slots[i].parent.is_some() {
@@ -189,21 +191,28 @@ impl<'t, N: Dop> Scene<'t, N> {
         }
         check(world)?;
         if self.memory.slots[i].attached > 0 {
-            let is_carried = |scene: &Self, j: usize| j != i && scene.root(j) == i;
-            // Check all poses first, so that an error moves no body.
-            for j in 0..self.memory.slots.len() {
-                if is_carried(self, j) {
-                    check(&self.carried(j, world)?)?;
-                }
-            }
-            for j in 0..self.memory.slots.len() {
-                if is_carried(self, j) {
-                    let moved = self.carried(j, world)?;
-                    self.put(j, &moved);
-                }
-            }
+            self.place_carried(i, world)?;
         }
         self.put(i, world);
+        Ok(())
+    }
+
+    /// Places the bodies attached to a body, directly or not, for this pose of the body.
+    #[inline(never)]
+    fn place_carried(&mut self, i: usize, world: &Pose) -> Result<(), SceneError> {
+        let is_carried = |scene: &Self, j: usize| j != i && scene.root(j) == i;
+        // Check all poses first, so that an error moves no body.
+        for j in 0..self.memory.slots.len() {
+            if is_carried(self, j) {
+                check(&self.carried(j, world)?)?;
+            }
+        }
+        for j in 0..self.memory.slots.len() {
+            if is_carried(self, j) {
+                let moved = self.carried(j, world)?;
+                self.put(j, &moved);
+            }
+        }
         Ok(())
     }
 
@@ -275,11 +284,21 @@ impl<'t, N: Dop> Scene<'t, N> {
 }
 
 /// Whether a scene accepts a world pose.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
 pub(crate) fn check(world: &Pose) -> Result<(), SceneError> {
     let near = |x: f64| x.abs() <= Scene::<()>::MAX_TRANSLATION;
     let [x, y, z] = world.translation();
-    if !world.is_rotation(Scene::<()>::TOLERANCE) {
-        return Err(SceneError::Pose(PoseError::NotOrthonormal { deviation: world.deviation() }));
-    }
-    if near(x) & near(y) & near(z) { Ok(()) } else { Err(SceneError::Pose(PoseError::TooFar)) }
+    let is_accepted = world.is_rotation(Scene::<()>::TOLERANCE) & (near(x) & near(y) & near(z));
+    if is_accepted { Ok(()) } else { Err(fault(world)) }
+}
+
+/// The error of a pose that failed [`check`].
+#[cold]
+fn fault(world: &Pose) -> SceneError {
+    SceneError::Pose(if world.is_rotation(Scene::<()>::TOLERANCE) {
+        PoseError::TooFar
+    } else {
+        PoseError::NotOrthonormal { deviation: world.deviation() }
+    })
 }

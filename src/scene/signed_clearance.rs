@@ -1,4 +1,4 @@
-//! The signed clearance of a scene: the distance of its bodies, or minus the depth of those that meet.
+//! The signed clearance of a scene: the least distance of its bodies, or minus the greatest penetration depth.
 
 use super::ask::{AskedPair, SceneHit, with_trees};
 use super::body::BodyTree;
@@ -21,15 +21,15 @@ use crate::vector::{difference, unit};
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct SceneSignedDistance {
-    /// Lower bound, in the bodies' unit: the cutoff if no two bodies are nearer; if some meet, minus the upper bound of
+    /// Lower bound, in the bodies' unit: the cutoff if no two bodies are nearer. If some meet: minus the upper bound of
     /// their depth. Minus infinity if the budget ran out before anything was known.
     pub lower: f64,
-    /// Upper bound: of bodies that meet, minus the lower bound of their depth, which is 0 where nothing is known of
-    /// their insides. Infinite without a witness.
+    /// Upper bound. If some bodies meet: minus the lower bound of their depth, which is 0 if their interiors are
+    /// unknown. Infinite without a witness.
     pub upper: f64,
-    /// The two bodies that are deepest in each other, by the lower bound; or if none meet, those that are nearest.
+    /// The two bodies that penetrate each other the deepest, by the lower bound; or if none meet, the nearest two.
     pub witness: Option<SignedWitness>,
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`], where the bounds are valid but may be loose.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid but may be loose.
     pub completion: Completion,
     /// Number of pairs of bodies tested.
     pub pairs: u64,
@@ -42,8 +42,8 @@ pub struct SceneSignedDistance {
 pub struct SignedWitness {
     /// The bodies and their primitives.
     pub hit: SceneHit,
-    /// The point of `a`'s primitive in the world, up to rounding: the nearest to `b`, or the one that touches `b` last
-    /// when `a` leaves it along the normal. Ignores the body's radius.
+    /// The point of `a`'s primitive in the world, up to rounding: the nearest to `b`, or the last one in contact with
+    /// `b` while `a` moves out along the normal. Ignores the body's radius.
     pub a: Point,
     /// The point of `b`'s primitive.
     pub b: Point,
@@ -52,7 +52,7 @@ pub struct SignedWitness {
     pub normal: Point,
 }
 
-/// What is known of one pair.
+/// The result for one pair.
 struct SignedPair {
     lower: f64,
     upper: f64,
@@ -61,11 +61,11 @@ struct SignedPair {
     stats: QueryStats,
 }
 
-/// Of the depth of two shapes.
+/// Tolerance for the depth of two shapes.
 const TOLERANCE: f64 = power_of_two(-30);
 
 impl<N: Lanes + Dop> AskedPair<'_, N> {
-    /// The depth in the frame of the second, of the bodies with their radii.
+    /// The depth of the bodies, with their radii, in the frame of the second.
     fn depth(&self, query: &Query, margin: f64) -> DepthInterval {
         let pose = self.relative.pose();
         let far = || self.trees.0.far(&self.trees.1, pose, margin);
@@ -122,13 +122,13 @@ impl<N: Lanes + Dop> AskedPair<'_, N> {
 }
 
 impl<N: Lanes + Dop> Scene<'_, N> {
-    /// The least signed distance of two tested bodies, up to `cutoff`: [`Scene::clearance`] where no bodies meet, and
-    /// where some do, minus the depth of those that are deepest in each other ([`Query::depth`]), as an interval.
+    /// The least signed distance of two tested bodies, up to `cutoff`: [`Scene::clearance`] if no bodies meet;
+    /// otherwise minus the greatest penetration depth ([`Query::depth`]), as an interval.
     ///
-    /// The depth of two shapes, and of a half-space and any body, is known to rounding. Of a body of spheres or of
-    /// several shapes, a cloud, or a mesh that is not solid, nothing is known of the inside: the upper bound is then at
-    /// most the sum of the bodies' radii below 0. The radii of the bodies widen both. Every pair that meets costs a
-    /// search, of some ten milliseconds for meshes. A budget of the query ends it early: 2,000 visits take 0.3 ms.
+    /// The depth of two shapes, and of a half-space and any body, is known to rounding. The radii of the bodies widen
+    /// both. The interior of a cloud is unknown, and so are those of two meshes unless both are solid: the upper bound
+    /// is then at least minus the sum of the bodies' radii. Every pair that meets costs a search, some ten milliseconds
+    /// for meshes. A budget of the query ends it early: 2,000 visits take 0.3 ms.
     ///
     /// # Errors
     /// [`SceneError::Tolerance`] if the tolerance is negative, NaN or infinite, or the cutoff negative or NaN.
@@ -168,7 +168,7 @@ impl<N: Lanes + Dop> Scene<'_, N> {
                 found.lower = found.lower.min(pair.lower);
                 found.upper = found.upper.min(pair.upper);
                 nearest = nearest.min(pair.upper.max(0.0));
-                // Of bodies that are apart, the nearest by the upper bound; of those that meet, the deepest.
+                // Among bodies that are apart, the nearest by the upper bound; among bodies that meet, the deepest.
                 let key = if pair.lower <= 0.0 { pair.lower } else { pair.upper };
                 if pair.witness.is_some() && key < least {
                     (least, found.witness) = (key, pair.witness);
@@ -228,7 +228,7 @@ impl<N: Lanes + Dop> Scene<'_, N> {
         }
         // Largest difference between a length in the frame of b and the same length in the world.
         let off = |x: f64| asked.padded(x) - x;
-        // A translation moves no point of A farther from or nearer to B than by its length.
+        // A translation changes the distance of a point of A from B by at most its length.
         let least = f64::max(depth.lower, margin - answer.upper);
         let least = f64::max(least - 2.0 * off(least + asked.radii), 0.0);
         Ok(SignedPair { lower: -(depth.upper + off(depth.upper)), upper: -least, witness, completion, stats })

@@ -4,6 +4,7 @@ use super::body::{Body, BodyId, BodyTree};
 use super::error::SceneError;
 use super::placement::Scene;
 use crate::node::{Box3, Dop};
+use crate::pose::Pose;
 use crate::query::{Lanes, Query, Verdict};
 
 impl<'t, N: Dop> Scene<'t, N> {
@@ -16,7 +17,18 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(&self.body(id)?.tree)
     }
 
-    /// Whether it is a solid with holes that are capped.
+    /// The body that a body is attached to, with its pose there.
+    pub(crate) fn attachment(&self, id: BodyId) -> Result<Option<(BodyId, Pose)>, SceneError> {
+        let parent = self.memory.slots[self.index(id)?].parent;
+        Ok(self.attached_to(id)?.zip(parent.map(|parent| parent.at)))
+    }
+
+    /// The radius around a body.
+    pub(crate) fn radius(&self, id: BodyId) -> Result<f64, SceneError> {
+        Ok(self.body(id)?.radius)
+    }
+
+    /// Whether the body is a solid with capped holes.
     pub(crate) fn has_caps(&self, id: BodyId) -> Result<bool, SceneError> {
         Ok(self.tree(id)?.caps().is_some())
     }
@@ -28,7 +40,7 @@ impl<'t, N: Dop> Scene<'t, N> {
 }
 
 impl<N: Lanes> Scene<'_, N> {
-    /// Whether two bodies come within a margin of each other, tested or not.
+    /// Whether two bodies come within a margin of each other, whether or not the pair is tested.
     pub(crate) fn are_within(
         &self,
         query: &Query,
@@ -41,7 +53,7 @@ impl<N: Lanes> Scene<'_, N> {
         Ok(matches!(answer.verdict, Verdict::Hit(_)))
     }
 
-    /// Whether two bodies meet that are tested against each other: the verdict of [`Scene::collide`] for this pair.
+    /// Whether two bodies meet and are tested against each other: the verdict of [`Scene::collide`] for this pair.
     pub(crate) fn do_meet(&self, query: &Query, a: BodyId, b: BodyId) -> Result<bool, SceneError> {
         let (i, j) = self.place_to_ask(a, b)?;
         let pair = self.pair_now(i as u32, j as u32);

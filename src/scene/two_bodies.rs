@@ -1,8 +1,8 @@
 //! Queries of two bodies of any kind, the first at a pose in the frame of the second.
 //!
-//! Two trees are tested directly, and so is a shape against a tree. In the other pairs, the body that must be the second
-//! is the first, or there is a cloud: a scene of the two decides, which places either in the frame of the other, with a
-//! margin for the rounding of the inverse pose.
+//! Two trees are tested directly, and so is a shape against a tree. All other pairs are in the wrong order, or contain
+//! a cloud. A scene of the two decides these: it places either body in the frame of the other, with a margin for the
+//! rounding of the inverse pose.
 
 use super::body::{Body, BodyId, BodyTree};
 use super::error::SceneError;
@@ -60,11 +60,12 @@ macro_rules! of_two_bodies {
 }
 
 impl<N: Lanes> BodyTree<'_, N> {
-    /// Does this body, placed by `pose` in the frame of another, meet it? As [`Query::collide`], for bodies of any kind.
+    /// Does this body, placed by `pose` in the frame of another, meet it? As [`Query::collide`], for bodies of any
+    /// kind.
     ///
-    /// If this is a tree and the other one a shape, or either is a cloud, what is decided is whether they come within the
-    /// rounding of the inverse pose, about 1e-14 of the coordinates; the bounds of an unknown verdict are 0 and infinite,
-    /// and the pose must be as close to a rotation as in a scene. So a shape should be the first body.
+    /// If this is a tree and the other one a shape, or either is a cloud, the query decides whether they come within
+    /// the rounding of the inverse pose, about 1e-14 of the coordinates. Then the bounds of an unknown verdict are 0
+    /// and infinite, and the pose must be as close to a rotation as in a scene. So a shape should be the first body.
     ///
     /// # Errors
     /// [`SceneError`]: both are clouds, or a scene does not accept the pose.
@@ -121,12 +122,12 @@ impl<N: Lanes> BodyTree<'_, N> {
 }
 
 impl<N: Lanes> BodyTree<'_, N> {
-    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks: as [`Query::for_each_pair`],
-    /// for bodies of any kind. The primitive of a shape is 0, those of a cloud are its points.
+    /// Calls `visit` once for each pair of primitives that meet, until it breaks: as [`Query::for_each_pair`], for
+    /// bodies of any kind. The primitive of a shape has the index 0; the primitives of a cloud are its points.
     ///
-    /// If this is a tree and the other one a shape, or the other one is a cloud, the inverse pose moves the other one:
-    /// of pairs that touch within its rounding, about 1e-14 of the coordinates, some may be missing or not meet. Each
-    /// point of a cloud is tested alone.
+    /// If this is a tree and the other one a shape, or the other one is a cloud, the inverse pose moves the other one.
+    /// Pairs that touch up to its rounding, about 1e-14 of the coordinates, may be missing, or be reported although
+    /// they do not meet. Each point of a cloud is tested alone.
     ///
     /// # Errors
     /// [`SceneError`]: both are clouds, or the pose has no inverse and one is needed.
@@ -172,8 +173,8 @@ impl<N: Lanes> BodyTree<'_, N> {
 }
 
 impl<N: Lanes> BodyTree<'_, N> {
-    /// How far apart are the bodies, or how deep in each other? As [`Query::signed_distance`], for bodies of any kind,
-    /// with the bounds of [`Scene::signed_clearance`].
+    /// What is the distance of the bodies, or minus their penetration depth? As [`Query::signed_distance`], for bodies
+    /// of any kind, with the bounds of [`Scene::signed_clearance`].
     ///
     /// # Errors
     /// As [`BodyTree::collide`]; [`SceneError::Tolerance`] if the tolerance is out of range.
@@ -199,8 +200,8 @@ impl<N: Lanes> BodyTree<'_, N> {
         ))
     }
 
-    /// How far does this body, placed by `pose` in the frame of another, have to be translated at least until it is
-    /// apart from it or touches it? As [`Query::depth`], for bodies of any kind, with the bounds of
+    /// How long is the shortest translation that separates this body, placed by `pose` in the frame of another, from
+    /// the other, up to touching? As [`Query::depth`], for bodies of any kind, with the bounds of
     /// [`BodyTree::signed_distance`].
     ///
     /// # Errors
@@ -217,8 +218,8 @@ impl<N: Lanes> BodyTree<'_, N> {
         ))
     }
 
-    /// How far does this body have to be translated along `direction` until it does not meet another any more, however
-    /// far it goes on? As [`Query::depth_along`], for bodies of any kind.
+    /// How far must this body be translated along `direction` until it no longer meets another, however much farther it
+    /// moves? As [`Query::depth_along`], for bodies of any kind.
     ///
     /// # Errors
     /// As [`BodyTree::collide`].
@@ -274,7 +275,7 @@ impl<N: Lanes> BodyTree<'_, N> {
     }
 }
 
-/// Of the depth of two shapes.
+/// Tolerance for the depth of two shapes.
 const TOLERANCE: f64 = power_of_two(-40);
 
 fn pairs_of_points<N: Lanes>(
@@ -324,7 +325,7 @@ fn signed_in_scene<N: Lanes>(
     })
 }
 
-/// A query of the scene of two bodies. Also passes it the id of the first.
+/// Runs a query of a scene of the two bodies, and also passes it the id of the first.
 fn in_scene<N: Lanes, T>(
     [a, b]: [&BodyTree<'_, N>; 2],
     pose: &Pose,
@@ -340,7 +341,7 @@ fn in_scene<N: Lanes, T>(
     ask(&scene, id)
 }
 
-/// The primitives of a hit, that of the first body first.
+/// The primitives of a hit, the first body's first.
 fn pair(hit: &SceneHit, first: BodyId) -> Pair {
     let Pair { a, b } = hit.pair;
     if hit.a == first { Pair { a, b } } else { Pair { a: b, b: a } }

@@ -127,7 +127,7 @@ fn points_come_and_go() {
     }
 }
 
-/// A cloud without points, whether it was built so or emptied, takes as many points as its capacity.
+/// A cloud without points, whether it was built empty or emptied, takes as many points as its capacity.
 #[test]
 fn an_empty_cloud_takes_points() {
     let random = &mut Random(41);

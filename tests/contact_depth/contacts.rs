@@ -19,7 +19,7 @@ fn size(a: &Tri, b: &Tri) -> f64 {
         + 2_f64.powi(-50) * coordinates.fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
-/// Whether the points are the corners: one for each, or for several that are as near to it as the bound.
+/// Whether the points are the corners: one point for each corner, or for several corners within the bound of it.
 fn is_of(points: &[[f64; 3]], corners: &[Rational], bound: f64) -> bool {
     let near = |p: &[f64; 3]| corners.iter().filter(|corner| corner.is_near(p, bound)).count();
     corners.iter().all(|corner| points.iter().any(|p| corner.is_near(p, bound)))
@@ -45,7 +45,7 @@ fn on_grid(rng: &mut Rng, width: i64) -> Tri {
     [(); 3].map(|()| [(); 3].map(|()| rng.int(-width, width) as f64))
 }
 
-/// Of the plane through small integer vectors.
+/// Triangles in the plane through small integer vectors.
 fn in_plane(rng: &mut Rng, axes: &[[f64; 3]; 2]) -> Tri {
     [(); 3].map(|()| {
         let (x, y) = (rng.int(-4, 4) as f64, rng.int(-4, 4) as f64);

@@ -36,7 +36,7 @@ fn length(t: &[f64; 3]) -> f64 {
     t.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// On every instruction set. Checks what holds for all answers.
+/// Queries on every instruction set. Checks what holds for all answers.
 fn depth(
     a: &Tree,
     b: &Tree,
@@ -56,7 +56,7 @@ fn depth(
     first
 }
 
-/// Overlaps of 1.5 along one axis, at any turn about it and of any tessellation, 12 to 43,200 triangles.
+/// Overlaps of 1.5 along one axis, for any rotation about it and any tessellation, 12 to 43,200 triangles.
 #[test]
 fn boxes_have_their_overlap_as_depth() {
     let mut rng = Rng::new(15);
@@ -79,7 +79,7 @@ fn boxes_have_their_overlap_as_depth() {
     }
 }
 
-/// Against the depth of cuboids as shapes, which has a method of its own.
+/// Against the depth of cuboids as shapes, which is computed by another method.
 #[test]
 fn cuboids_as_meshes_have_the_depth_of_shapes() {
     let mut rng = Rng::new(16);
@@ -106,7 +106,7 @@ fn cuboids_as_meshes_have_the_depth_of_shapes() {
     below.sort_by(f64::total_cmp);
     let at = |all: &[f64], share: f64| all[((all.len() - 1) as f64 * share) as usize];
     assert!(at(&above, 0.5) < 1.0 + 1e-6 && at(&above, 1.0) < 1.2, "{above:?}");
-    // Cuboids that are as deep in each other as they are wide: one point in both is far from all there is.
+    // Cuboids that overlap as deeply as they are wide: a point in both is far from all surfaces.
     assert!(at(&below, 0.5) < 1.35 && at(&below, 1.0) < 2.0, "{below:?}");
 }
 
@@ -133,7 +133,7 @@ fn no_shorter_translation_is_free() {
         known += u32::from(found.lower > 0.2 * found.upper);
         for _ in 0..1500 {
             let along = rng.rotation()[0];
-            // Most of them near the bound.
+            // Most samples are near the bound.
             let far = found.lower * (1.0 - 1e-12) * rng.unit().powf(0.1);
             let t = along.map(|x| x * far);
             assert!(
@@ -145,7 +145,7 @@ fn no_shorter_translation_is_free() {
     assert!(suite_step() > 1 || deep > 8 && 2 * known > deep, "{deep} {known}");
 }
 
-/// More budget never makes a bound worse, whatever the budgets are.
+/// More budget never makes a bound worse, whatever the budgets.
 #[test]
 fn bounds_are_monotone_in_the_budget() {
     let mut rng = Rng::new(18);
@@ -153,16 +153,16 @@ fn bounds_are_monotone_in_the_budget() {
     let trees = meshes.each_ref().map(solid);
     let packed = meshes.each_ref().map(|mesh| packing(mesh, 200));
     let packings = Packings { a: packed[0].view(), b: packed[1].view() };
-    for round in 0..4 {
+    for round in 0..4_usize.div_ceil(suite_step()) {
         let at = pose(&rng.rotation(), [(); 3].map(|()| rng.range(-1.2, 1.2)));
         let given = (round % 2 == 0).then_some(&packings);
         let mut budget = || {
             let bits = rng.below(15);
             rng.below(1 << bits)
         };
-        // Steps of the search count a few visits each: few budgets end at one.
+        // Each step of the search counts a few visits, so few budgets end exactly at one.
         let mut budgets: Vec<u64> =
-            (0..60 / suite_step()).map(|_| budget()).chain((0..2000).step_by(7)).collect();
+            (0..60 / suite_step()).map(|_| budget()).chain((0..2000).step_by(7 * suite_step())).collect();
         budgets.sort_unstable();
         let (mut lower, mut upper) = (0.0, f64::INFINITY);
         for budget in budgets {
@@ -176,7 +176,8 @@ fn bounds_are_monotone_in_the_budget() {
     }
 }
 
-/// One sphere in each body: r + r' - |c - c'|, whatever surrounds them; of two bodies of spheres likewise.
+/// One sphere in each body gives the bound r + r' - |c - c'|, whatever surrounds them; likewise for two bodies of
+/// spheres.
 #[test]
 fn one_pair_of_balls_bounds_the_depth() {
     let ball = |x: f64, radius: f64| Sphere { centre: [x, 0.0, 0.0], radius };

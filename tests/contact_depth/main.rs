@@ -9,8 +9,11 @@ mod heap;
 mod support;
 
 mod contacts;
+mod counts;
 mod depth;
+mod kinds;
 mod oracle;
+mod packed;
 mod patches;
 mod scenes;
 mod signed;

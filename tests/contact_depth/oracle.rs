@@ -13,7 +13,7 @@ pub(crate) struct Rational([IBig; 3], IBig);
 
 type Vector = [IBig; 3];
 
-/// `x` in units of 2^-`bits`, without what is below one.
+/// `x` in units of 2^-`bits`, truncated.
 fn integer(x: f64, bits: usize) -> IBig {
     let field = (x.to_bits() >> 52 & 0x7ff) as i64;
     let m = IBig::from(x.to_bits() & ((1 << 52) - 1) | if field > 0 { 1 << 52 } else { 0 });
@@ -34,7 +34,7 @@ fn dot(u: &Vector, v: &Vector) -> IBig {
     &u[0] * &v[0] + &u[1] * &v[1] + &u[2] * &v[2]
 }
 
-/// What of a convex polygon is on the side of the plane through `origin` to which `normal` does not point.
+/// The part of a convex polygon on the side of the plane through `origin` to which `normal` does not point.
 fn clipped(polygon: &[Rational], normal: &Vector, origin: &Vector) -> Vec<Rational> {
     let height = |Rational(p, w): &Rational| dot(normal, p) - dot(normal, origin) * w;
     let mut kept = Vec::new();
@@ -45,7 +45,7 @@ fn clipped(polygon: &[Rational], normal: &Vector, origin: &Vector) -> Vec<Ration
             kept.push(p.clone());
         }
         if (of_p > IBig::ZERO && of_q < IBig::ZERO) || (of_p < IBig::ZERO && of_q > IBig::ZERO) {
-            // Where the heights, of_p / w_p and of_q / w_q, are zero on the way.
+            // The point between them where the heights, of_p / w_p and of_q / w_q, interpolate to zero.
             let (x, y) = (&of_p * &q.1, &of_q * &p.1);
             let denominator = (&x - &y) * &p.1 * &q.1;
             let point = [0, 1, 2].map(|i| &q.0[i] * &x * &p.1 - &p.0[i] * &y * &q.1);
@@ -56,7 +56,7 @@ fn clipped(polygon: &[Rational], normal: &Vector, origin: &Vector) -> Vec<Ration
     kept
 }
 
-/// The corners of the intersection of two triangles with areas, each once; none if they do not meet.
+/// The corners, each once, of the intersection of two triangles with areas; none if they do not meet.
 pub(crate) fn intersection(a: &Tri, b: &Tri) -> Vec<Rational> {
     let [a, b] = [a, b].map(|t| t.map(|p| p.map(|x| integer(x, BITS))));
     let normal = cross(&minus(&b[1], &b[0]), &minus(&b[2], &b[0]));

@@ -24,7 +24,7 @@ fn is_one_of(p: &[f64; 3], corners: &[[f64; 3]]) -> bool {
     corners.iter().any(|q| (0..3).all(|i| (p[i] - q[i]).abs() <= 1e-12))
 }
 
-/// A cube that stands on a larger one, turned about the common normal: the points that span the patch are its corners.
+/// A cube that stands on a larger one, rotated about the common normal: the points that span the patch are its corners.
 #[test]
 fn a_cube_on_a_cube_touches_in_four_corners() {
     let mut rng = Rng::new(7);
@@ -51,7 +51,8 @@ fn a_cube_on_a_cube_touches_in_four_corners() {
     }
 }
 
-/// A cube that is sunk into a larger one, tilted by a little: where its upright edges pierce the face.
+/// A cube that is sunk into a larger one, slightly tilted: the patch is spanned by the points where its upright edges
+/// pierce the face.
 #[test]
 fn a_sunk_cube_touches_where_its_edges_pierce() {
     let mut rng = Rng::new(8);
@@ -75,7 +76,7 @@ fn a_sunk_cube_touches_where_its_edges_pierce() {
         let mut points = [[0.0; 3]; 4];
         assert_eq!(all[0].span(&contacts, &mut points), 4);
         assert!(points.iter().all(|p| is_one_of(p, &corners)), "{points:?} {corners:?}");
-        // No point leaves the loop, so that more points are not of use.
+        // No point is off the loop, so more points are useless.
         assert_eq!(all[0].span(&contacts, &mut [[0.0; 3]; 9]), 4);
         let (depth, _) = Query::new(Isa::detect()).depth_along(&a, &b, &at, [0.0, 0.0, 1.0]);
         let lowest = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]
@@ -86,7 +87,7 @@ fn a_sunk_cube_touches_where_its_edges_pierce() {
     }
 }
 
-/// Three feet of a table, and a torus around a post that it touches nowhere.
+/// Three feet of a table, and a torus around a post, which do not touch.
 #[test]
 fn each_foot_is_a_patch() {
     let mut table = cuboid([-3.0, -3.0, 1.0], [3.0, 3.0, 1.5], false);

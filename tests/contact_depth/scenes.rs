@@ -55,10 +55,13 @@ fn every_kind_has_the_depth_of_the_cube_that_it_is() {
             let free = a.signed_distance(&query(), b, &at(0.0, 0.0, 3.0), 0.0).unwrap();
             assert!((free.lower - 1.0).abs() < 1e-12 && free.normal[2] > 1.0 - 1e-12, "{free:?}");
             assert_eq!(a.depth(&query(), b, &at(0.0, 0.0, 3.0)).unwrap().upper, 0.0);
-            assert_eq!(a.depth_along(&query(), b, &at(0.0, 0.0, 3.0), [1.0, 0.0, 0.0]).unwrap(), 0.0);
+            // Also if the direction leads through the other body.
+            for direction in [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]] {
+                assert_eq!(a.depth_along(&query(), b, &at(0.0, 0.0, 3.0), direction).unwrap(), 0.0);
+            }
         }
     }
-    // A body of spheres and a cloud have no known inside, but a way out.
+    // A cloud has an upper bound, but no known inside; a body of spheres has both.
     let spheres = [Sphere { centre: [0.0; 3], radius: 1.0 }];
     let ball =
         Builder::new().build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()));
@@ -76,7 +79,7 @@ fn every_kind_has_the_depth_of_the_cube_that_it_is() {
     }
 }
 
-/// What lies below the ground leaves it along the normal, whatever it is.
+/// A body of any kind below the ground leaves it along the normal.
 #[test]
 fn half_spaces_are_left_along_their_normal() {
     let mesh = solid(&grid_box([-1.0, -1.0, -0.5], [1.0, 1.0, 1.0], 2));
@@ -108,7 +111,7 @@ fn half_spaces_are_left_along_their_normal() {
     }
 }
 
-/// No translation shorter than the lower bound is free, and the one found is; with a radius around the bodies, too.
+/// No translation shorter than the lower bound is free, and the one found is, also with a radius around the bodies.
 #[test]
 fn bounds_hold_for_sampled_translations() {
     let mesh = solid(&grid_box([-1.0, -0.75, -0.5], [1.0, 0.75, 0.5], 2));
@@ -153,7 +156,7 @@ fn bounds_hold_for_sampled_translations() {
     assert!(all > 100 / suite_step() && 4 * tight > 3 * all, "{tight} of {all}");
 }
 
-/// Of all pairs the least, and the witness is of the deepest.
+/// The signed clearance is the least over all pairs, and the witness belongs to the deepest.
 #[test]
 fn scenes_have_the_least_of_their_pairs() {
     let mut rng = Rng::new(42);

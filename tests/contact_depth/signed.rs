@@ -1,4 +1,4 @@
-//! The signed distance, and its derivative by the pose against differences.
+//! The signed distance, and its derivative by the pose, against finite differences.
 
 use crate::support::data::suite_step;
 use crate::support::rng::Rng;
@@ -52,7 +52,7 @@ fn gradients_are_those_of_differences() {
     assert!(all > 100 / suite_step() && 20 * smooth > 19 * all, "{smooth} of {all}");
 }
 
-/// Of boxes that overlap along one axis the depth is smooth: it grows with the way along the axis alone.
+/// For boxes that overlap along one axis, the depth is smooth: it grows only with the translation along that axis.
 #[test]
 fn gradients_of_depths_point_outwards() {
     let query = Query::new(Isa::detect());

@@ -31,10 +31,10 @@ fn pose(rng: &mut Rng) -> Pose {
     Pose::from_rows([0, 1, 2].map(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
 }
 
-/// The hull of points has the verdicts of the shape that it is, by the exact tests of pairs of shapes.
+/// The hull of a shape's corners has the shape's verdicts, by the exact tests of pairs of shapes.
 fn hull_is_the_shape(points: &[Point], whole: &Shape, is_solid: bool, rng: &mut Rng) {
     let hull = Builder::new().build_convex_hull(points).unwrap();
-    assert_eq!(hull.view().header().is_solid, u16::from(is_solid));
+    assert_eq!(hull.view().header().is_solid, u8::from(is_solid));
     let query = Query::new(Isa::detect());
     let mut counts = [0; 2];
     for _ in 0..3000 {
@@ -62,7 +62,7 @@ fn the_hull_of_a_cuboids_corners_is_the_cuboid() {
     let mut corners: Vec<Point> = (0..8)
         .map(|i| [0, 1, 2].map(|k| [1.0, 0.75, 0.5][k] * if i >> k & 1 == 0 { 1.0 } else { -1.0 }))
         .collect();
-    // What is inside, in a side or in an edge changes nothing.
+    // Points inside, in a face or in an edge change nothing.
     corners.extend([[0.0; 3], [1.0, 0.25, 0.0], [1.0, 0.75, 0.0]]);
     let cuboid = Shape::cuboid([2.0, 1.5, 1.0]).unwrap();
     hull_is_the_shape(&corners, &cuboid, true, &mut rng);
@@ -76,7 +76,7 @@ fn the_hull_of_a_cuboids_corners_is_the_cuboid() {
     assert!(query.collide_shape(&speck, &surface, &Pose::IDENTITY).is_free());
 }
 
-/// What has no inside is a triangle, a segment or a point.
+/// Hulls without an inside are triangles, segments or points.
 #[test]
 fn flat_hulls_are_surfaces() {
     let mut rng = Rng::new(12);

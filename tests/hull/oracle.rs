@@ -1,4 +1,4 @@
-//! What a hull has to be, by brute force in integers.
+//! The definition of a hull, checked by brute force in integers.
 
 use crate::Point;
 use core::fmt::Debug;
@@ -16,7 +16,7 @@ pub(crate) trait Integer:
 impl Integer for IBig {}
 impl Integer for i128 {}
 
-/// The odd integer, or zero, and the exponent of two.
+/// A number as an odd integer, or zero, and an exponent of two.
 fn parts(x: f64) -> (i64, i32) {
     let bits = x.to_bits();
     let (m, e) = ((bits & ((1 << 52) - 1) | 1 << 52) as i64, (bits >> 52 & 0x7ff) as i32 - 1075);
@@ -27,7 +27,7 @@ fn parts(x: f64) -> (i64, i32) {
     }
 }
 
-/// Normal numbers, as multiples of one power of two.
+/// Normal numbers as multiples of a common power of two.
 pub(crate) fn exact(points: &[Point]) -> Vec<[IBig; 3]> {
     let unit = points.as_flattened().iter().map(|x| parts(*x).1).min().unwrap_or(0);
     let integer = |x: f64| match parts(x) {
@@ -83,7 +83,7 @@ fn facets<T: Integer>(points: &[[T; 3]]) -> BTreeSet<Vec<usize>> {
     found
 }
 
-/// How many directions the points span.
+/// The dimension that the points span.
 fn dimension<T: Integer>(points: &[[T; 3]]) -> usize {
     let edges: Vec<[T; 3]> = points.iter().map(|p| minus(p, &points[0])).collect();
     let Some(u) = edges.iter().find(|u| !is_zero(u)) else { return 0 };
@@ -137,7 +137,7 @@ fn check_polygon<T: Integer>(points: &[[T; 3]], corners: &[&[T; 3]], triangles: 
         let [a, b] = edge.map(|v| corners[v as usize]);
         let inwards = cross(&n, &minus(b, a));
         assert!(points.iter().all(|p| dot(&inwards, &minus(p, a)) >= T::default()));
-        // Of the corners only the two are on the line of the edge.
+        // No other corner is on the line of the edge.
         let on_line = corners.iter().filter(|p| dot(&inwards, &minus(p, a)) == T::default()).count();
         assert_eq!(on_line, 2, "{corners:?}");
     }
@@ -160,10 +160,10 @@ fn check_solid<T: Integer>(points: &[[T; 3]], corners: &[&[T; 3]], triangles: &[
         let height = |p: &[T; 3]| dot(&n, &minus(p, of[0]));
         assert!(points.iter().all(|p| height(p) <= T::default()), "{of:?} of {points:?}");
         volume = volume - height(&origin);
-        // Of a part that is not turned inside out: see above.
+        // The volume of a part that is not inside out: see above.
         parts = parts - height(&points[0]);
         for v in t {
-            // As many normals as planes, up to length.
+            // As many normals, up to length, as planes.
             let known = &mut around[*v as usize];
             if !known.iter().any(|m| is_zero(&cross(m, &n))) {
                 known.insert(n.clone());

@@ -30,7 +30,7 @@ pub(crate) fn random_set(kind: u32, rng: &mut Rng) -> Vec<Point> {
     match kind {
         0 => (0..count).map(|_| lattice(rng, 2)).collect(),
         1 => (0..count).map(|_| lattice(rng, 1)).collect(),
-        // In a plane, with a few points beside it.
+        // In a plane, with a few points off it.
         2 => {
             let mut points = in_plane(rng, count, false);
             points.extend((0..rng.below(3)).map(|_| lattice(rng, 5)));
@@ -63,7 +63,7 @@ pub(crate) fn random_set(kind: u32, rng: &mut Rng) -> Vec<Point> {
             let scaled = |p: Point| [0, 1, 2].map(|k| p[k] * scale[k]);
             (0..count).map(|_| scaled(lattice(rng, 2))).collect()
         }
-        // Almost in a plane: one unit in the last place beside it.
+        // Almost in a plane: off it by one unit in the last place.
         9 => {
             let mut points = in_plane(rng, count, false);
             for p in &mut points {

@@ -7,7 +7,7 @@ use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
 use simdop::node::Ball16;
 
-/// Sixteen balls: on a lattice (mode 0), such as trees have, with unused lanes (1), or of any bits.
+/// Sixteen balls: on a lattice (mode 0), as in trees, with unused lanes (1), or with any bits.
 fn balls(rng: &mut Rng, mode: u64) -> Ball16 {
     const SPECIAL: [f32; 8] =
         [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE, f32::MAX, 1e-40];

@@ -4,8 +4,8 @@ use crate::pairs;
 use simdop::low_level::kernel::Turned;
 use simdop::low_level::key::Storage;
 
-/// The number of pairs of nodes per k that the [`RECORDED`] digests are of; the realignments and primitive
-/// slabs are an eighth as many.
+/// The number of pairs of nodes per k in the [`RECORDED`] digests; realignments and primitive slabs are an eighth as
+/// many.
 const RECORDED_PAIRS: u64 = 10_000_000;
 
 /// For each k, the scalar kernel's digests of overlaps, realignments and primitive slabs. The tests of `scalar`

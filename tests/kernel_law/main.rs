@@ -19,7 +19,7 @@ mod support;
 mod trees;
 mod triangles;
 #[path = "../support/turned.rs"]
-#[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
+#[expect(unreachable_pub, reason = "public for the fuzz targets, where it is part of a library")]
 mod turned;
 
 use balls::balls_equal_the_scalar_kernel;

@@ -7,8 +7,8 @@ use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
 use simdop::primitive::shape::lanes::{Solid, SolidLanes};
 
-/// A solid: of numbers of similar size (mode 0), on a lattice, where many touch and edges are parallel (1), or of any
-/// bits (2).
+/// A solid with numbers of similar size (mode 0), on a lattice, where many touch and edges are parallel (1), or with
+/// any bits (2).
 fn solid<const N: usize>(rng: &mut Rng, mode: u64) -> Solid<N> {
     const SPECIAL: [f32; 8] =
         [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE, f32::MAX, 1e-40];
@@ -40,7 +40,8 @@ fn solid<const N: usize>(rng: &mut Rng, mode: u64) -> Solid<N> {
     solid
 }
 
-/// The kernel's masks, for a query of `M` half edges and lanes of `N`, into the digest; and how many bits are 1.
+/// Adds the kernel's masks, for a query with `M` half edges and lanes with `N`, to the digest; returns how many bits
+/// are 1.
 fn compare<E: Kernel, const M: usize, const N: usize>(
     kernel: E,
     name: &str,

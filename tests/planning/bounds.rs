@@ -1,14 +1,15 @@
-//! Bounds change no verdict: `free` with them against `free` without them.
+//! Bounds change no verdict: `free` with bounds against `free` without.
 
 use super::{arm, at, scene};
-use crate::real::{insert_obstacles, load, robots::SETTINGS};
+use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS};
 use crate::support::data::{self, directory};
 use crate::support::rng::Rng;
+use simdop::construct::{Builder, OwnedMesh};
 use simdop::planning::{PlanningError, PlanningScene, Workspace};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::query::Query;
-use simdop::scene::Body;
+use simdop::scene::{Body, BodyId, MotionVerdict};
 use simdop::{Isa, cloud::PointCloud};
 use std::sync::Arc;
 
@@ -18,10 +19,39 @@ fn random(scene: &PlanningScene, rng: &mut Rng, count: usize) -> Vec<f64> {
     (0..count).flat_map(|_| scene.random(|| rng.range(0.0, 1.0))).collect()
 }
 
-/// Verdicts with bounds are those without; what the bounds decide is right. Returns how many they decide.
+/// Motions with bounds have the verdicts of motions without; where bodies meet, the scene confirms it. Returns how many
+/// motions are free, and how many are not.
+fn compare_motions(exact: &PlanningScene, bounded: &PlanningScene, motions: &[[&[f64]; 2]]) -> [usize; 2] {
+    let (mut workspace, mut other) = (exact.workspace(), bounded.workspace());
+    let mut count = [0; 2];
+    for &ends in motions {
+        let verdict = exact.check_motion(&mut workspace, ends).unwrap().verdict;
+        let found = bounded.check_motion(&mut other, ends).unwrap().verdict;
+        let is_free = match (verdict, found) {
+            (MotionVerdict::Free, MotionVerdict::Free) => true,
+            (MotionVerdict::Hit { .. }, MotionVerdict::Hit { hit, time }) => {
+                let [from, to] = ends;
+                let there = exact.between(from, to, time).unwrap();
+                let hits = exact.hits(&mut workspace, &there, 0.0).unwrap();
+                assert!(hits.iter().any(|other| (other.a, other.b) == (hit.a, hit.b)), "{hit:?} at {time}");
+                false
+            }
+            (MotionVerdict::Unresolved { .. }, MotionVerdict::Unresolved { .. }) => false,
+            verdicts => panic!("{ends:?}: {verdicts:?}"),
+        };
+        assert_eq!(bounded.is_motion_free(&mut other, ends).unwrap(), is_free);
+        count[usize::from(!is_free)] += 1;
+    }
+    count
+}
+
+/// Verdicts with bounds equal those without, and those that the bounds decide are right. Returns how many these are.
 fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> usize {
     let verdicts = exact.free(values).unwrap();
     assert_eq!(bounded.free(values).unwrap(), verdicts);
+    let ends: Vec<&[f64]> = values.chunks(exact.variables()).take(60).collect();
+    let ends: Vec<[&[f64]; 2]> = ends.windows(2).map(|ends| [ends[0], ends[1]]).collect();
+    let _ = compare_motions(exact, bounded, &ends);
     let decided = bounded.free_by_bounds(values).unwrap();
     assert_eq!(decided.len(), verdicts.len());
     for (i, (decided, verdict)) in decided.iter().zip(&verdicts).enumerate() {
@@ -40,13 +70,13 @@ fn in_one_workspace(scene: &PlanningScene, workspace: &mut Workspace, values: &[
     assert_eq!(free, scene.free(values).unwrap());
 }
 
-/// 100,000 configurations, or as many as `SIMDOP_CONFIGURATIONS` says.
+/// 100,000 configurations, or the number in `SIMDOP_CONFIGURATIONS`.
 #[test]
 fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
     let Some(folder) = directory() else { return };
     let all = std::env::var("SIMDOP_CONFIGURATIONS").map_or(100_000, |count| count.parse().unwrap());
     for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
-        let (model, other) = (Arc::new(load(setting, &folder)), setting.robot(&folder));
+        let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
         let problems = setting.problems(&folder, &other, 70);
         let mut rng = Rng::new(21);
         let (mut decided, mut asked) = (0, 0);
@@ -64,12 +94,64 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
     }
 }
 
-/// Every instruction set decides the same configurations.
+/// Motions of all lengths, from ends of the problems and between random configurations.
+#[test]
+fn motions_by_bounds_are_those_of_the_scene() {
+    let Some(folder) = directory() else { return };
+    for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
+        let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
+        let mut rng = Rng::new(25);
+        let mut all = [0; 2];
+        for problem in setting.problems(&folder, &other, 70) {
+            let mut exact = PlanningScene::new(Arc::clone(&model)).unwrap();
+            insert_obstacles(&mut exact, &problem);
+            let mut bounded = exact.clone();
+            bounded.use_bounds(CELL).unwrap();
+            let start = real::values(&model, &problem.ends[0]);
+            for _ in 0..(200 / data::suite_step()).max(12) {
+                let random = random(&exact, &mut rng, 2);
+                let (a, b) = random.split_at(exact.variables());
+                let near = |from: &[f64], rng: &mut Rng| {
+                    exact.between(from, b, rng.range(0.0, 0.2).powi(2)).unwrap()
+                };
+                let ends = [near(&start, &mut rng), near(a, &mut rng)];
+                let motions = [[a, b], [&start, a], [&start, &ends[0]], [a, &ends[1]], [a, a]];
+                let count = compare_motions(&exact, &bounded, &motions);
+                all = [all[0] + count[0], all[1] + count[1]];
+            }
+        }
+        println!("{}: {all:?} free and not", setting.name);
+        assert!(all.iter().all(|count| *count > 100), "{}: {all:?}", setting.name);
+    }
+}
+
+/// Rounding puts the end of a motion beyond the limits. The walls are close, so most motions are tested at the end.
+#[test]
+fn motions_end_at_the_limits() {
+    let mut exact = scene();
+    for x in [-0.35, 0.35] {
+        let wall = Body::new(Shape::cuboid([0.05, 1.0, 1.0]).unwrap()).fixed();
+        let _ = exact.insert("wall", wall, &at(x, 0.0, 0.5)).unwrap();
+    }
+    let mut bounded = exact.clone();
+    bounded.use_bounds(CELL).unwrap();
+    let mut rng = Rng::new(26);
+    let to: Vec<f64> = exact.limits().iter().map(|limits| limits[1]).collect();
+    let mut beyond = 0;
+    for _ in 0..300 {
+        let from = random(&exact, &mut rng, 1);
+        beyond += usize::from(from.iter().zip(&to).any(|(from, to)| from + (to - from) > *to));
+        compare_motions(&exact, &bounded, &[[&from, &to]]);
+    }
+    assert!(beyond > 20, "{beyond}");
+}
+
+/// Every instruction set decides the same configurations and motions, with the same work left to the scene.
 #[test]
 fn bounds_are_the_same_on_every_instruction_set() {
     let Some(folder) = directory() else { return };
     let setting = &SETTINGS[0];
-    let (model, other) = (load(setting, &folder), setting.robot(&folder));
+    let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
     let mut scene = PlanningScene::new(model).unwrap();
     insert_obstacles(&mut scene, &setting.problems(&folder, &other, 1000)[0]);
     scene.use_bounds(CELL).unwrap();
@@ -77,8 +159,17 @@ fn bounds_are_the_same_on_every_instruction_set() {
     let on = |isa: Isa| scene.clone().with_query(Query::new(isa)).free_by_bounds(&values).unwrap();
     let scalar = on(Isa::SCALAR);
     assert!(scalar.contains(&Some(true)) && scalar.contains(&Some(false)) && scalar.contains(&None));
+    let motions = |isa: Isa| {
+        let scene = scene.clone().with_query(Query::new(isa));
+        let mut workspace = scene.workspace();
+        let ends: Vec<&[f64]> = values.chunks(scene.variables()).take(300).collect();
+        let ask = |ends: &[&[f64]]| scene.check_motion(&mut workspace, [ends[0], ends[1]]).unwrap();
+        ends.windows(2).map(ask).collect::<Vec<_>>()
+    };
+    let of_motions = motions(Isa::SCALAR);
     for isa in Isa::available() {
         assert_eq!(on(isa), scalar, "{isa}");
+        assert_eq!(motions(isa), of_motions, "{isa}");
     }
 }
 
@@ -105,7 +196,7 @@ fn bounds_follow_the_scene() {
         all += decided;
     };
     let cuboid = |sides: [f64; 3]| Body::new(Shape::cuboid(sides).unwrap());
-    let mut ids = Vec::new();
+    let mut ids: Vec<[BodyId; 2]> = Vec::new();
     let mut insert = |scene: &mut PlanningScene| {
         let wall = scene.insert("wall", cuboid([0.05, 1.0, 1.0]).fixed(), &at(0.5, 0.0, 0.5)).unwrap();
         let cup = scene.insert("cup", cuboid([0.06; 3]), &at(0.0, 0.4, 0.9)).unwrap();
@@ -121,7 +212,31 @@ fn bounds_follow_the_scene() {
     both(&mut |scene| scene.place_base(&at(0.1, 0.0, 0.0)).unwrap(), true);
     let hand = exact_link("hand");
     both(&mut |scene| scene.allow_collision(hand, wall).unwrap(), true);
-    both(&mut |scene| scene.attach(cup, "hand", &[0.0; 4], &["hand"]).unwrap(), false);
+    both(&mut |scene| scene.attach(cup, "hand", &[0.0; 4], &["hand"]).unwrap(), true);
+    both(&mut |scene| scene.place(wall, &at(0.25, 0.1, 0.7)).unwrap(), true);
+    both(&mut |scene| scene.remove(cup).map(drop).unwrap(), true);
+    let mut insert = |scene: &mut PlanningScene| {
+        // A mesh in the way of the arm, with a radius around it.
+        let mesh = OwnedMesh::cylinder(0.05, 0.4, 0.002).unwrap();
+        let tree = Arc::new(Builder::new().solid().build_as(&mesh.as_mesh()).unwrap());
+        let cup = Body::new(tree).with_radius(0.01);
+        ids.push([wall, scene.insert("cup", cup, &at(0.0, 0.4, 0.9)).unwrap()]);
+    };
+    both(&mut insert, true);
+    let cup = ids[2][1];
+    both(&mut |scene| scene.attach(cup, "forearm", &[0.3; 4], &["forearm"]).unwrap(), true);
+    both(&mut |scene| scene.place(wall, &at(0.2, 0.0, 0.7)).unwrap(), true);
+    // Other kinds of bodies have no bounds.
+    let grid = PointCloud::new(&[[0.0; 3], [0.0, 0.0, 0.1]]).unwrap();
+    let grid = Arc::new(grid);
+    let mut insert = |scene: &mut PlanningScene| {
+        let body = Body::new(Arc::clone(&grid)).with_radius(0.02);
+        ids.push([wall, scene.insert("grid", body, &at(0.0, 0.4, 1.2)).unwrap()]);
+    };
+    both(&mut insert, true);
+    let points = ids[4][1];
+    both(&mut |scene| scene.attach(points, "hand", &[0.0; 4], &["hand"]).unwrap(), false);
+    both(&mut |scene| scene.remove(points).map(drop).unwrap(), true);
     both(&mut |scene| scene.detach(cup, &at(0.2, 0.4, 0.5)).unwrap(), true);
     // Two bodies that do not move meet: nothing is free.
     both(&mut |scene| scene.place(cup, &at(0.2, 0.0, 0.7)).unwrap(), true);
@@ -131,7 +246,7 @@ fn bounds_follow_the_scene() {
     assert!(all > 1000, "{all}");
 }
 
-fn exact_link(name: &str) -> simdop::scene::BodyId {
+fn exact_link(name: &str) -> BodyId {
     scene().link(name).unwrap()
 }
 
@@ -151,6 +266,17 @@ fn errors_and_budgets_are_those_of_the_scene() {
     assert_eq!(scene.free_by_bounds(&values).unwrap_err().to_string(), message(plain.free(&values)));
     assert!(matches!(scene.free_by_bounds(&[0.0; 7]), Err(PlanningError::Values { given: 7, variables: 4 })));
     values[4 * 33] = 0.0;
+    for resolution in [0.0, -1.0, f64::NAN] {
+        let [bounded, plain] = [&scene, &plain].map(|scene| scene.clone().with_resolution(resolution));
+        for ends in values.chunks(8).map(|ends| ends.split_at(4)) {
+            let ends = [ends.0, ends.1];
+            let refused = plain.check_motion(&mut plain.workspace(), ends).unwrap_err().to_string();
+            let mut workspace = bounded.workspace();
+            let message = |found: Result<bool, PlanningError>| found.unwrap_err().to_string();
+            assert_eq!(message(bounded.is_motion_free(&mut workspace, ends)), refused);
+            assert_eq!(message(bounded.check_motion(&mut workspace, ends).map(|_| true)), refused);
+        }
+    }
     let query = Query::new(Isa::detect()).with_budget(0);
     assert_eq!(
         scene.clone().with_query(query).free(&values).unwrap(),

@@ -1,4 +1,4 @@
-//! Files of robots: what is wrong with them is said, with the file and the line.
+//! Files of robots: errors name the fault, the file and the line.
 
 use super::arm_file;
 use crate::support::rng::Rng;
@@ -76,7 +76,7 @@ fn a_wrong_file_is_named_with_its_line() {
     assert_eq!(mesh("empty.obj"), format!("link a: {}: there is no triangle in the file", path("empty.obj")));
 }
 
-/// A closed mesh is a solid with its outside outwards, also if the scale reflects it.
+/// A closed mesh is a solid with its outside outwards, even if the scale reflects it.
 #[test]
 fn meshes_are_scaled_solids() {
     let folder = Folder::new("scaled");
@@ -189,7 +189,8 @@ fn damaged_descriptions_are_refused_or_read() {
 
 #[test]
 fn a_group_is_planned_for_alone() {
-    let srdf = "<robot name=\"arm\"><group name=\"tip\"><chain base_link=\"upper_arm\" tip_link=\"hand\"/></group></robot>";
+    let chain = "<chain base_link=\"upper_arm\" tip_link=\"hand\"/>";
+    let srdf = &format!("<robot name=\"arm\"><group name=\"tip\">{chain}</group></robot>");
     let folder = Folder::new("group");
     let files = RobotFiles::new(arm_file("arm.urdf")).srdf(folder.file("a.srdf", srdf));
     let mut scene = PlanningScene::new(files.load().unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! Planning scenes: verdicts, gradients and motions against scenes put together by hand, and files that are wrong.
+//! Planning scenes: verdicts, gradients and motions against scenes assembled by hand, and invalid files.
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -1,4 +1,4 @@
-//! Objects that come, move, go, and are carried.
+//! Objects that are inserted, moved, removed and carried.
 
 use super::{at, scene};
 use simdop::cloud::PointCloud;
@@ -57,7 +57,7 @@ fn what_is_attached_is_carried() {
     scene.attach(cup, "hand", &UPRIGHT, &["hand"]).unwrap();
     assert!(scene.is_free(&mut workspace, &UPRIGHT).unwrap());
     assert!(matches!(scene.attach(cup, "hand", &UPRIGHT, &[]), Err(PlanningError::Scene(_))));
-    // Where the cup is if the shoulder, at a height of 0.35, turns about y.
+    // The position of the cup if the shoulder, at a height of 0.35, rotates about y.
     let radius = 1.26 - 0.35;
     let (sin, cos) = folded[1].sin_cos();
     let wall =
@@ -84,11 +84,11 @@ fn what_is_attached_is_carried() {
     assert!([hit.a, hit.b].contains(&cup));
     let _ = scene.remove(inside).unwrap();
     assert!(scene.check_motion(&mut workspace, [&UPRIGHT, &folded]).unwrap().is_free());
-    // What cannot be put down stays in the hand.
+    // An object that cannot be put down stays in the hand.
     assert!(scene.detach(cup, &at(2.0_f64.powi(299), 0.0, 0.0)).is_err());
     assert!(scene.is_free(&mut workspace, &folded).unwrap());
     assert_eq!(scene.to_world(&workspace, cup, [0.0; 3]).unwrap(), in_world);
-    // Put down in the hand's way, it is in the way again.
+    // Put down in the hand's way, the cup is an obstacle again.
     scene.detach(cup, &at(0.0, 0.0, 1.26)).unwrap();
     assert!(
         !scene.is_free(&mut workspace, &UPRIGHT).unwrap() && scene.is_free(&mut workspace, &folded).unwrap()

@@ -1,4 +1,4 @@
-//! Paths: every motion of one is certified, and what is no plan is said.
+//! Paths: every motion of a path is certified, and failures are reported.
 
 use super::{arm, at, scene};
 use crate::support::rng::Rng;
@@ -90,7 +90,7 @@ fn goals_that_are_not_free_are_ignored() {
     assert_eq!(near.path.len(), 2, "the straight way is tried first");
 }
 
-/// A step that is too small for the rounding of the values ends the search as well.
+/// A step below the rounding of the values also ends the search.
 #[test]
 fn every_search_ends() {
     let scene = with_post();

@@ -1,43 +1,35 @@
 //! The Panda and the UR5 among obstacles: a planning scene against pairs of bodies at poses from other kinematics.
 
+#[path = "../../benches/support/planning_scenes.rs"]
+mod planning_scenes;
 #[path = "../../benches/support/robots.rs"]
 pub(crate) mod robots;
 
+pub(crate) use planning_scenes::{insert_obstacles, values};
+
 use crate::support::data::{self, directory};
 use crate::support::rng::{self, Rng};
-use robots::{Configuration, Problem, SETTINGS, Setting};
+use robots::{Configuration, SETTINGS, Setting};
 use simdop::glam::DAffine3;
-use simdop::planning::{LinkGeometry, PlanningScene, RobotFiles, RobotModel};
+use simdop::planning::{LinkGeometry, PlanningScene, RobotModel};
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{Body, MotionVerdict};
+use simdop::scene::MotionVerdict;
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-/// Distances that count as meeting: world poses round relative ones.
+/// The robot of a setting. Loaded once for all tests, since its bounds take long to compute.
+pub(crate) fn model_of(setting: &Setting, folder: &Path) -> Arc<RobotModel> {
+    static MODELS: Mutex<BTreeMap<&str, Arc<RobotModel>>> = Mutex::new(BTreeMap::new());
+    let mut models = MODELS.lock().unwrap();
+    Arc::clone(
+        models.entry(setting.robot).or_insert_with(|| Arc::new(planning_scenes::load(setting, folder))),
+    )
+}
+
+/// Distances up to this count as meeting, since relative poses are rounded from world poses.
 const ROUNDING: f64 = 1e-11;
-
-pub(crate) fn load(setting: &Setting, folder: &Path) -> RobotModel {
-    let folder = folder.join("robots").join(setting.robot);
-    let file = |extension: &str| folder.join(format!("{}.{extension}", setting.robot));
-    RobotFiles::new(file("urdf")).srdf(file("srdf")).load().unwrap()
-}
-
-pub(crate) fn insert_obstacles(scene: &mut PlanningScene, problem: &Problem) {
-    for obstacle in &problem.obstacles {
-        let at = Pose::try_from(obstacle.at).unwrap();
-        let _ = scene.insert("obstacle", Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
-    }
-}
-
-/// Values of the variables that are planned for.
-fn values(model: &RobotModel, configuration: &Configuration) -> Vec<f64> {
-    let robot = model.robot();
-    let value = |(name, limits): (&String, &[f64; 2])| {
-        configuration.get(name).copied().unwrap_or(0.0).clamp(limits[0], limits[1])
-    };
-    robot.variables.iter().zip(&robot.limits).map(value).collect()
-}
 
 fn named(model: &RobotModel, values: &[f64]) -> Configuration {
     model.robot().variables.iter().cloned().zip(values.iter().copied()).collect()
@@ -57,7 +49,7 @@ fn verdicts_are_those_of_pairs_at_poses_from_other_kinematics() {
     let Some(folder) = directory() else { return };
     let query = Query::new(simdop::Isa::detect());
     for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn && setting.robot == "panda") {
-        let (model, other) = (Arc::new(load(setting, &folder)), setting.robot(&folder));
+        let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
         let mut rng = Rng::new(5);
         let place =
             |body: usize| other.links.iter().position(|link| link.name == model.robot().names[body]).unwrap();
@@ -113,12 +105,12 @@ fn verdicts_are_those_of_pairs_at_poses_from_other_kinematics() {
     }
 }
 
-/// The gradient of the clearance is what differences of clearances say, where the same primitives are the nearest.
+/// The gradient of the clearance equals finite differences, where the same primitives are the nearest.
 #[test]
 fn gradients_are_those_of_differences() {
     let Some(folder) = directory() else { return };
     let setting = &SETTINGS[0];
-    let (model, other) = (load(setting, &folder), setting.robot(&folder));
+    let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
     let mut scene = PlanningScene::new(model).unwrap();
     insert_obstacles(&mut scene, &setting.problems(&folder, &other, 1000)[0]);
     let (mut workspace, mut rng, mut compared) = (scene.workspace(), Rng::new(9), 0);
@@ -137,7 +129,7 @@ fn gradients_are_those_of_differences() {
             };
             let (before, after) = (at(-step), at(step));
             let is_smooth = |other: &simdop::scene::SceneDistance| {
-                // The same bodies, at points that moved no more than a bit.
+                // The same bodies, at points that moved only slightly.
                 other.witness.is_some_and(|near| {
                     let moved = [(near.a, witness.a), (near.b, witness.b)];
                     let is_close = |(p, q): ([f64; 3], [f64; 3])| (0..3).all(|i| (p[i] - q[i]).abs() < 1e-4);
@@ -160,7 +152,7 @@ fn gradients_are_those_of_differences() {
 fn samples_refute_no_motion() {
     let Some(folder) = directory() else { return };
     let setting = &SETTINGS[2];
-    let (model, other) = (Arc::new(load(setting, &folder)), setting.robot(&folder));
+    let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
     let (mut free, mut rng) = (0, Rng::new(11));
     for problem in setting.problems(&folder, &other, 100 * data::suite_step()) {
         let mut scene = PlanningScene::new(Arc::clone(&model)).unwrap();

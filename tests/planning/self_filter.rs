@@ -1,7 +1,7 @@
 //! Points near the robot, against distances in closed form and against searches of single points.
 
 use super::{arm, at, scene};
-use crate::real::{load, robots::SETTINGS};
+use crate::real::{model_of, robots::SETTINGS};
 use crate::support::data::directory;
 use crate::support::rng::Rng;
 use simdop::Isa;
@@ -74,7 +74,7 @@ fn points_near_an_arm_are_those_of_closed_forms() {
 #[test]
 fn points_near_the_panda_are_those_of_single_searches() {
     let Some(folder) = directory() else { return };
-    let model = load(&SETTINGS[0], &folder);
+    let model = model_of(&SETTINGS[0], &folder);
     let scene = PlanningScene::new(model).unwrap();
     let (mut workspace, mut rng) = (scene.workspace(), Rng::new(42));
     let search = RangeSearch::new(Isa::detect());

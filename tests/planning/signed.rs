@@ -1,4 +1,4 @@
-//! Signed clearances of configurations, and their gradients against differences.
+//! Signed clearances of configurations, and their gradients, against finite differences.
 
 use super::{at, scene};
 use crate::support::data;
@@ -7,7 +7,7 @@ use simdop::planning::PlanningError;
 use simdop::primitive::Shape;
 use simdop::scene::{Body, SceneSignedDistance};
 
-/// Where the witness does not change, the gradient is what differences of distances and depths say.
+/// Where the witness does not change, the gradient equals finite differences of distances and depths.
 #[test]
 fn gradients_are_those_of_differences() {
     let mut scene = scene();
@@ -34,7 +34,7 @@ fn gradients_are_those_of_differences() {
             assert_eq!((found.lower, found.upper), (plain.lower, plain.upper));
         } else {
             assert!(found.upper <= 0.0 && found.lower < 0.0 && found.lower > -2.0, "{found:?}");
-            // Shapes have their depths, up to what the search of round ones leaves.
+            // Depths of shapes are known, for round ones up to the error of the search.
             assert!(found.upper < 0.9 * found.lower, "{found:?}");
         }
         let Some(witness) = found.witness else { continue };

@@ -320,7 +320,8 @@ fn a_wall_across_is_met_wherever_it_stands() {
     }
 }
 
-/// What one motion stores in a scene says nothing of the next: a long one through a wall after a short one beside it.
+/// The data that one motion leaves in a scene does not affect the next: a long motion through a wall follows a short
+/// one beside it.
 #[test]
 fn a_motion_leaves_nothing_to_the_next() {
     let (ball, wall) = (point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));

@@ -272,9 +272,17 @@ fn bytes_per_triangle<N: Lanes>(mesh: &MeshData, budget: f64) {
 }
 
 #[test]
+fn forty_thousand_triangles() {
+    many_triangles(200, 100);
+}
+
+#[test]
+#[ignore = "seconds"]
 fn a_million_triangles() {
-    let small = suite_step() > 1 || cfg!(debug_assertions);
-    let (around, along) = if small { (200, 100) } else { (1000, 500) };
+    many_triangles(1000, 500);
+}
+
+fn many_triangles(around: u32, along: u32) {
     let mesh = shapes::torus(around, along);
     let start = Instant::now();
     let tree = default_build::<Node16<18>>(&mesh);

@@ -91,7 +91,7 @@ where
         assert_eq!(within, query.within(&tree, &tree, pose, 0.1).unwrap());
         let distance = query.distance_any(&any.view(), &borrowed, pose, 0.01).unwrap();
         assert_eq!(distance, query.distance(&tree, &tree, pose, 0.01).unwrap());
-        // A visitor of a type of its own would compile every node type's query once more.
+        // A visitor of another type would compile every node type's query once more.
         let (mut got, mut want) = (Vec::new(), Vec::new());
         let visitor: &mut dyn FnMut(Pair) -> ControlFlow<()> = &mut |pair| {
             got.push(pair);

@@ -379,7 +379,7 @@ where
 {
     let mut rng = Rng::new(200 + K as u64);
     let mut tally = Tally::default();
-    while tally.checks < 1_500_000 / suite_step() as u64 {
+    while tally.checks < 750_000 / suite_step() as u64 {
         let mut mesh = match rng.below(6) {
             0 => shapes::soup(&mut rng, 40, 0.3),
             1 => shapes::soup(&mut rng, 16, 1e-6),

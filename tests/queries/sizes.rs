@@ -48,7 +48,7 @@ fn answers_are_exact_at_every_ratio_of_sizes() {
         let scenes = SIZES.iter().flat_map(|&(small, large)| {
             let name = format!("{name}, {small:e} against {large:e}");
             let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
-            Scene::both_ways(&name, &small, &large, &large, size(16, 4))
+            Scene::both_ways(&name, &small, &large, &large, size(8, 4))
         });
         check_all(scenes);
     }
@@ -182,7 +182,7 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
         for (small, large) in SIZES.into_iter().step_by(size(1, 2) as usize) {
             let name = format!("{name}, {small:e} against {large:e}");
             let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
-            for scene in Scene::both_ways(&name, &small, &large, &large, size(6, 2)) {
+            for scene in Scene::both_ways(&name, &small, &large, &large, size(3, 2)) {
                 apart += scene.judged.len() - scene.hits();
                 check_margins::<Node16<18>>(&scene);
                 check_margins::<Node4<14>>(&scene);
@@ -207,7 +207,7 @@ fn distances_beside_large_triangles_take_little_work() {
             let turn = rng.rotation();
             core::array::from_fn(|j| [turn[j][0], turn[j][1], turn[j][2], place[j]])
         };
-        let poses: Vec<_> = (0..size(12, 4)).map(&mut pose).collect();
+        let poses: Vec<_> = (0..size(8, 4)).map(&mut pose).collect();
         let back: Vec<_> = poses.iter().map(inverse).collect();
         for (a, b, poses) in [(&small, &cube, poses), (&cube, &small, back)] {
             let (a_tree, b_tree) = (build::<Node16<18>>(a).unwrap(), build::<Node16<18>>(b).unwrap());

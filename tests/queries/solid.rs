@@ -650,8 +650,8 @@ fn solids_from_outside_are_safe() {
     assert_eq!(with(&|b| b[116] = 1), Some(FormatError::Header { field: "part_count" }));
 }
 
-/// The flag is the builder's word, not a claim that `verify` proves: bytes without it are the tree of the surface, byte
-/// for byte, and answer as such.
+/// `verify` does not prove the flag of solids, which the builder sets: bytes without the flag equal the tree of the
+/// surface, and give its answers.
 #[test]
 fn without_the_flag_a_solid_is_its_surface() {
     let cube = Body::new(&[cuboid([-1.0; 3], [1.0; 3], false)]);

@@ -1,4 +1,4 @@
-//! Half floats and fixed point: the same verdicts, and bytes that are taken for what they are.
+//! Half floats and fixed point: the same verdicts, and bytes that are read in their own storage.
 
 use crate::build;
 use crate::support::data::{MeshData, directory, suite_step};
@@ -36,7 +36,7 @@ impl<F: Lanes, H: Lanes> Both<F, H> {
     }
 }
 
-/// What the queries of two bodies say.
+/// The answers of queries of two bodies.
 struct Answers {
     /// Whether they are free, and farther apart than the margin.
     verdicts: [bool; 2],
@@ -113,7 +113,7 @@ fn verdicts_are_those_of_fixed_point() {
     }
 }
 
-/// A million poses, most of them near contact, over pairs of real meshes of like and unlike size.
+/// A million poses, most of them near contact, of pairs of real meshes of similar and different sizes.
 #[test]
 #[ignore = "a minute"]
 fn a_million_verdicts_are_those_of_fixed_point() {
@@ -178,7 +178,7 @@ fn bytes_of_another_storage_are_refused() {
     }
 }
 
-/// Planes are tight: the next lower code of no plane bounds what is below.
+/// Planes are tight: the next lower code does not bound the primitives below.
 #[test]
 fn planes_are_the_least_halves() {
     let tree = build::<Node16<18, Half>>(&shapes::soup(&mut Rng::new(7), 40, 0.3));

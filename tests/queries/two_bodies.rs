@@ -92,8 +92,8 @@ fn pairs(query: &Query, a: &Tree, b: &Tree, pose: &Pose) -> Vec<[u32; 2]> {
     found
 }
 
-/// The primitives that meet are those at the ends: of the cube, both triangles of the face. Points meet a surface only
-/// where they lie on it.
+/// The primitives that meet are those at the ends, for the cube both triangles of the face. Points meet a surface only
+/// if they lie on it.
 #[test]
 fn pairs_of_primitives_are_those_at_the_ends() {
     let (query, models) = (Query::new(Isa::detect()), models());

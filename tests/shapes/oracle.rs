@@ -4,11 +4,14 @@
 use crate::shape_cases::{hard_margin, hard_pair, hard_pairs, kind_pairs, permuted, scaled};
 use crate::shape_oracle::Judgement::{self, Apart, Meets, TooCloseToCall};
 use crate::shape_oracle::{distance_interval, estimate, is_rational, meets};
+use crate::support::data::suite_step;
 use crate::support::rng::Rng;
 use dashu_int::IBig;
 use simdop::primitive::shape::{Core, Shape};
 
-const CASES: u32 = 4000;
+fn cases() -> u32 {
+    4000 / suite_step() as u32
+}
 
 fn shape(core: Core, radius: f64) -> Shape {
     Shape::new(core, radius).unwrap()
@@ -73,7 +76,7 @@ fn gap(a: (i64, i64), b: (i64, i64)) -> i64 {
 fn boxes_and_balls() {
     let mut rng = Rng::new(1);
     let mut touching = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (c, d) = (point(&mut rng, 9), point(&mut rng, 9));
         let (mut h, mut k) = ([(); 3].map(|()| rng.int(1, 4)), [(); 3].map(|()| rng.int(1, 4)));
         let (r, s, margin) = (rng.int(0, 3), rng.int(0, 3), rng.int(0, 3) * rng.int(0, 1));
@@ -92,7 +95,7 @@ fn boxes_and_balls() {
         check_distance(&a, &b, square, r + s);
         touching += u32::from(square == (r + s + margin).pow(2));
     }
-    assert!(touching > CASES / 50, "{touching}");
+    assert!(touching > cases() / 50, "{touching}");
 }
 
 /// A segment along an axis against a ball, and against another one along another axis.
@@ -100,7 +103,7 @@ fn boxes_and_balls() {
 fn capsules() {
     let mut rng = Rng::new(2);
     let mut touching = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (p, q) = (point(&mut rng, 4), point(&mut rng, 4));
         let (r, s) = (rng.int(0, 3), rng.int(0, 3));
         let mut segment = |middle: [i64; 3], radius: i64| {
@@ -120,7 +123,7 @@ fn capsules() {
         check_distance(&a, &b, square, r + s);
         touching += u32::from(square == (r + s).pow(2));
     }
-    assert!(touching > CASES / 50, "{touching}");
+    assert!(touching > cases() / 50, "{touching}");
 }
 
 /// An upright cylinder or cone against boxes along the axes: the part of the box at the widest height is nearest to the
@@ -129,7 +132,7 @@ fn capsules() {
 fn cylinders_and_cones_against_boxes() {
     let mut rng = Rng::new(3);
     let mut touching = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (c, half) = (point(&mut rng, 9), [(); 3].map(|()| rng.int(1, 4)));
         let (r, h) = (rng.int(1, 6), rng.int(1, 6));
         let b = cuboid(c, half, 0);
@@ -144,7 +147,7 @@ fn cylinders_and_cones_against_boxes() {
         check(&shape(cone, 0.0), &b, 0, is_beside && square * h * h <= r * r * (h - low).pow(2));
         touching += u32::from(is_beside && square * h * h == r * r * (h - low).pow(2));
     }
-    assert!(touching > CASES / 50, "{touching}");
+    assert!(touching > cases() / 50, "{touching}");
 }
 
 /// Balls around points on the axes' plane, where a cylinder is a rectangle and a cone a triangle.
@@ -152,7 +155,7 @@ fn cylinders_and_cones_against_boxes() {
 fn balls_against_cylinders_and_cones() {
     let mut rng = Rng::new(4);
     let mut touching = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (x, z, s) = (rng.int(0, 12), rng.int(-12, 12), rng.int(0, 6));
         let ball = shape(Core::Point(float([x, 0, z])), s as f64);
         let (r, h) = (rng.int(1, 6), rng.int(1, 6));
@@ -182,14 +185,14 @@ fn balls_against_cylinders_and_cones() {
         check_distance(&scaled(&cone, 5.0).unwrap(), &scaled(&ball, 5.0).unwrap(), square, 5 * s);
         touching += u32::from(square == 25 * s * s);
     }
-    assert!(touching > CASES / 50, "{touching}");
+    assert!(touching > cases() / 50, "{touching}");
 }
 
 /// Upright cylinders side by side: certain bounds around the closed form.
 #[test]
 fn parallel_cylinders() {
     let mut rng = Rng::new(5);
-    for _ in 0..CASES / 16 {
+    for _ in 0..cases() / 16 {
         let c = point(&mut rng, 9);
         let sizes = [(); 4].map(|()| rng.int(1, 4));
         let [h, r, k, s] = sizes;
@@ -213,7 +216,7 @@ fn parallel_cylinders() {
 fn half_spaces() {
     let mut rng = Rng::new(6);
     let mut touching = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         // A normal of length 5 or 3, times a factor.
         let n = *rng.pick(&[[0, 3, 4], [3, -4, 0], [0, 0, -5], [1, 2, 2], [-2, 1, 2]]);
         let length = if n.iter().map(|x| x * x).sum::<i64>() == 25 { 5 } else { 3 };
@@ -248,7 +251,7 @@ fn half_spaces() {
         check(&plane, &other, margin, -below - offset <= margin * length);
         touching += u32::from(-below - offset == margin * length);
     }
-    assert!(touching > CASES / 50, "{touching}");
+    assert!(touching > cases() / 50, "{touching}");
 }
 
 /// The first bounds, in `f64`, do not undercut the distance, also where a direction is parallel to an oblique axis.
@@ -262,7 +265,7 @@ fn estimates_are_upper_bounds() {
     let half_axis = [4.0, 0.0, -4.0];
     let oblique = shape(Core::Cylinder { centre: [-6.0, 0.0, 6.0], half_axis, radius: 1.0 }, 1.0);
     check(&oblique, &Shape::default());
-    for (a, b) in hard_pairs(&mut Rng::new(8)).take(CASES as usize) {
+    for (a, b) in hard_pairs(&mut Rng::new(8)).take(cases() as usize) {
         check(&a, &b);
     }
 }
@@ -272,14 +275,14 @@ fn agree(x: Judgement, y: Judgement) -> bool {
     x == y || x == TooCloseToCall || y == TooCloseToCall
 }
 
-/// On hard pairs: the judgement and the bounds agree, exact pairs are decided, and order, permutation of the axes and
+/// For hard pairs, the judgement and the bounds agree, exact pairs are decided, and order, permutation of the axes and
 /// scale change nothing.
 #[test]
 fn consistent_on_hard_pairs() {
     for kinds in kind_pairs() {
         let mut rng = Rng::new(7);
         let mut count = [0; 3];
-        for _ in 0..CASES / 10 {
+        for _ in 0..cases() / 10 {
             let (a, b) = hard_pair(kinds, &mut rng);
             let margin = hard_margin(&a, &b, &mut rng);
             let what = || format!("{a:?} {b:?} {margin:e}");
@@ -302,6 +305,6 @@ fn consistent_on_hard_pairs() {
             }
         }
         println!("{kinds:?}: apart, meets, too close to call: {count:?}");
-        assert!(count[0] * 20 >= CASES / 10 && count[1] * 20 >= CASES / 10, "{kinds:?} {count:?}");
+        assert!(count[0] * 20 >= cases() / 10 && count[1] * 20 >= cases() / 10, "{kinds:?} {count:?}");
     }
 }

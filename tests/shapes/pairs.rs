@@ -1,6 +1,7 @@
-//! The library's answers about hard pairs of all two kinds of shapes, against the oracle.
+//! The library's answers for hard pairs of shapes, of all combinations of kinds, against the oracle.
 //!
-//! `SIMDOP_SHAPE_PAIRS` sets the number of pairs of each two kinds for the ignored test (ten million by default).
+//! `SIMDOP_SHAPE_PAIRS` sets the number of pairs per combination of kinds for the ignored test (by default ten
+//! million).
 
 use crate::shape_cases::{Kind, hard_margin, hard_pair, kind_pairs};
 use crate::shape_oracle::Judgement::{self, Apart, Meets, TooCloseToCall};
@@ -10,14 +11,14 @@ use crate::support::rng::Rng;
 use simdop::primitive::Separation;
 use simdop::primitive::shape::{Core, Shape, is_within, meets, separation};
 
-/// Of each two kinds.
+/// Pairs per combination of kinds.
 const PAIRS: u64 = 4000;
 const THREADS: usize = 2;
 
-/// Pairs whose decision is not a sign of rational numbers may be called meeting at this share of the size or less.
+/// Pairs that rational numbers cannot decide may count as meeting at a distance of at most this share of the size.
 const RESOLVED: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// One of so many pairs is also compared in distance.
+/// The distance is checked for one pair in this many.
 const DISTANCES: u64 = 16;
 
 #[test]
@@ -92,7 +93,7 @@ fn check_decision(a: &Shape, b: &Shape, margin: f64, judged: Judgement) {
     }
 }
 
-/// Bounds enclose the distance, are as near as asked for, and belong to the points.
+/// Bounds enclose the distance, are as tight as requested, and belong to the points.
 fn check_distance(a: &Shape, b: &Shape, rng: &mut Rng) {
     let found = distance_interval(a, b);
     let (least, most) = found.to_f64();
@@ -104,7 +105,7 @@ fn check_distance(a: &Shape, b: &Shape, rng: &mut Rng) {
         return;
     };
     let Separation { lower, upper, .. } = got;
-    // Pairs that are not certainly apart are said to meet.
+    // Pairs that are not certainly apart count as meeting.
     let unresolved = if upper == 0.0 && !is_rational(a, b, 0.0) { RESOLVED * found.size() } else { 0.0 };
     assert!(lower <= most && least <= upper + unresolved && lower <= upper, "{got:?} {}", what());
     assert!(lower <= limit, "{got:?} {}", what());
@@ -122,7 +123,7 @@ fn check_distance(a: &Shape, b: &Shape, rng: &mut Rng) {
 /// The two points are in their shapes, and `upper` apart, up to rounding.
 fn check_points(a: &Shape, b: &Shape, got: &Separation, found: &Interval) {
     let largest = [got.a, got.b].as_flattened().iter().fold(found.size(), |most, x| most.max(x.abs()));
-    // Of pairs that meet the points are common ones to 2^-26.
+    // If the shapes meet, the points coincide to 2^-26.
     let share = if got.upper == 0.0 { 2e-8 } else { 1e-9 };
     let slack = share * largest + 4.0 * simdop::range::MIN_COORDINATE;
     let point = |p: [f64; 3]| {

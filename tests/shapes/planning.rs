@@ -1,5 +1,6 @@
-//! The Panda and the UR5 among the obstacles of planning problems, which are boxes and cylinders: the pairs that a scene
-//! finds are those of every triangle against every obstacle in the world, and those of fine prisms within their error.
+//! The Panda and the UR5 among the obstacles of planning problems, which are boxes and cylinders: the pairs that a
+//! scene finds are those found by testing every triangle against every obstacle in the world, and those found with fine
+//! prisms, within their error.
 
 #[path = "../../benches/support/robots.rs"]
 mod robots;
@@ -23,7 +24,7 @@ type Tree = Bvh<Node16<18>>;
 
 /// Maximum error of the fine prisms, relative to the radius.
 const ERROR: f64 = 1e-6;
-/// Scenes round the poses of bodies in each other's frames, and count what is that near as a hit.
+/// Scenes round the poses of bodies in each other's frames, and count bodies this near as a hit.
 const ROUNDING: f64 = 1e-12;
 
 /// Pairs of a link and an obstacle.
@@ -31,7 +32,7 @@ const ROUNDING: f64 = 1e-12;
 struct Counts {
     hits: usize,
     frees: usize,
-    /// Pairs that only the prisms meet.
+    /// Pairs that only prisms meet.
     of_prisms: usize,
 }
 
@@ -164,16 +165,16 @@ fn among_obstacles(setting: &Setting) {
     let trees: Vec<Tree> = robot.links.iter().map(|link| tree(&link.mesh)).collect();
     let links: Vec<Link> = robot.links.iter().map(|link| Link::new(&link.mesh)).collect();
     let mut counts = Counts::default();
-    for problem in setting.problems(&data, &robot, 20 * suite_step().min(4)) {
+    for problem in setting.problems(&data, &robot, 20 * suite_step()) {
         check(&problem, &links, &trees, &mut counts);
     }
     assert!(
-        counts.hits > 40 / suite_step().min(4) && counts.frees > 1000 / suite_step().min(4),
+        counts.hits > 40 / suite_step() && counts.frees > 1000 / suite_step(),
         "{} {}",
         counts.hits,
         counts.frees
     );
-    // Errors of a ten-thousandth of a millimetre hardly ever decide.
+    // An error of a ten-thousandth of a millimetre hardly ever changes a verdict.
     assert!(counts.of_prisms < 3, "{}", counts.of_prisms);
 }
 

@@ -103,7 +103,8 @@ fn scenes_are_those_of_pairs_in_the_world() {
         for isa in Isa::available() {
             let query = Query::new(isa);
             let answer = scene.collide(&query).unwrap();
-            // Between these, bodies that touch in the world may be a rounding apart in the frame of one of them.
+            // Between these bounds, bodies that touch in the world may be a rounding error apart in the frame of one of
+            // them.
             assert!(!hit || !answer.is_free(), "{isa:?}: missed");
             assert!(lower < 1e-9 || answer.is_free(), "{isa:?}: {lower}");
             let near = scene.within(&query, 0.3).unwrap();
@@ -183,7 +184,7 @@ fn configurations_of_shapes_are_those_of_pairs_in_the_world() {
             .collect();
         let still: Vec<Shape> =
             still.iter().zip(&at).map(|(shape, at)| shape.moved(at).widened(2.0 * radius).unwrap()).collect();
-        // Whether two certainly meet, and how far apart they at least are.
+        // Whether two bodies certainly meet, and a lower bound on their distance.
         let truth: Vec<(bool, f64)> = poses
             .chunks(3)
             .map(|poses| {

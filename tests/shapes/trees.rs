@@ -232,8 +232,8 @@ fn lone_shapes_equal_brute_force() {
     assert!(counts.into_iter().all(|count| count > 100), "{counts:?}");
 }
 
-/// A shape inside of a solid meets no triangle, and is a hit at distance 0; a hollow one leaves it free. A solid inside
-/// of a shape is a hit, whatever it is.
+/// A shape inside a solid meets no triangle, and is a hit at distance 0; inside a surface it is free. A body of any
+/// kind inside a shape is a hit.
 #[test]
 fn solids_hold_shapes_and_shapes_hold_solids() {
     let data = cuboid([-1.0; 3], [1.0; 3], false);
@@ -311,8 +311,8 @@ fn queries_of_two_shapes_are_those_of_the_pair() {
     }
 }
 
-/// A shape that meets a cap but no triangle is partly inside of the solid, wherever its centre is; of the surface it is
-/// free. The cap has no say in distances.
+/// A shape that meets a cap but no triangle is partly inside the solid, wherever its centre is, and free of the
+/// surface. Caps do not affect distances.
 #[test]
 fn shapes_meet_caps() {
     let mut data = cuboid([-1.0; 3], [1.0; 3], false);
@@ -359,7 +359,7 @@ fn what_is_no_shape_is_refused() {
     assert_eq!(Shape::half_space([0.0; 3], 1.0).err(), Some(ShapeError::NoDirection));
     let skew = Core::Cuboid { centre: [0.0; 3], half: [[1.0, 0.0, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 1.0]] };
     assert!(matches!(Shape::new(skew, 0.0), Err(ShapeError::NotPerpendicular { .. })));
-    // The numbers of a stored shape that are none of any shape.
+    // Numbers of a stored shape that are invalid for every kind.
     let tree = set::<Node16<18>>(&[Shape::cuboid([1.0, 2.0, 3.1]).unwrap(), Shape::cone(0.3, 1.1).unwrap()]);
     let bytes = tree.as_bytes();
     let header = tree.view().header();

@@ -25,7 +25,7 @@ pub(crate) const SPECIAL: [i16; 20] = [
     i16::MAX,
 ];
 
-/// The same of half floats: their infinity, NaN, greatest, least normal and least values, 1, -0, and the complements.
+/// The same for half floats: their infinity, NaN, greatest, least normal and least values, 1, -0, and the complements.
 pub(crate) const SPECIAL_HALVES: [i16; 14] = [
     0x7c00, !0x7c00, 0x7c01, !0x7c01, 0x7e00, !0x7e00, 0x7bff, !0x7bff, 0x0400, !0x0400, 0x03ff, !0x03ff,
     0x3c00, !0x3c00,

@@ -66,7 +66,7 @@ impl Columns {
         Spans(crossings.into_iter().map(pairs).collect())
     }
 
-    /// Of spheres that do not overlap.
+    /// The columns of spheres that do not overlap.
     pub(crate) fn of_spheres(&self, spheres: &[Sphere]) -> Spans {
         let mut spans = vec![Vec::new(); self.side * self.side];
         for Sphere { centre: [x, y, z], radius } in spheres {

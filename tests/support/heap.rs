@@ -21,7 +21,7 @@ impl Counting {
     }
 }
 
-#[expect(unsafe_code, reason = "an allocator that counts has to be one")]
+#[expect(unsafe_code, reason = "an allocator is unsafe to implement")]
 // SAFETY: every call is forwarded to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {

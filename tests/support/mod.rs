@@ -1,4 +1,4 @@
-//! What the integration tests share. No oracle here uses the library under test.
+//! Code shared by the integration tests. No oracle here uses the library under test.
 
 pub(crate) mod codes;
 pub(crate) mod corners;

@@ -1,5 +1,5 @@
-//! Pairs of shapes that are difficult to judge: near contact, exactly touching, nested, parallel, thin, far, tiny,
-//! unlike in size, and at both ends of the range.
+//! Pairs of shapes that are difficult to judge: near contact, exactly touching, nested, parallel, thin, far, tiny, of
+//! different sizes, and at both ends of the range.
 
 use crate::shape_oracle::estimate;
 use crate::support::rng::Rng;
@@ -84,7 +84,7 @@ fn treated((a, b): (Shape, Shape), rng: &mut Rng) -> Option<(Shape, Shape)> {
             let by = core::array::from_fn(|_| ulp(rng));
             Some((a, shifted(&b, &by)?))
         }
-        // Unlike by 2^400 and more.
+        // Sizes that differ by 2^400 and more.
         5 if rng.below(4) == 0 => Some((scaled(&a, 2_f64.powi(-200))?, scaled(&b, 2_f64.powi(200))?)),
         _ => Some((a, b)),
     }
@@ -179,7 +179,7 @@ fn shape(
     Shape::new(core, radius).ok()
 }
 
-/// A shape with random numbers: thin in some directions once in four times.
+/// A shape with random numbers, one in four times thin in some directions.
 fn random_shape(kind: Kind, rng: &mut Rng) -> Option<Shape> {
     let is_thin = rng.below(4) == 0;
     let radius = if rng.below(2) == 0 { 0.0 } else { rng.range(0.05, 0.5) };
@@ -244,7 +244,7 @@ fn rotation(rng: &mut Rng) -> Rows {
 fn posed(shape: &Shape, rows: &Rows, by: &Point) -> Option<Shape> {
     let row = |k: usize| [rows[k][0], rows[k][1], rows[k][2], by[k]];
     let pose = Pose::from_rows([row(0), row(1), row(2)]);
-    // A lattice rotation may mirror: that is a shape as well.
+    // A lattice rotation may be a reflection, which also gives a shape.
     pose.map_or_else(|_| mapped(shape, rows, by), |pose| Some(shape.moved(&pose)))
 }
 
@@ -355,7 +355,7 @@ fn touching_at_point(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> 
     Some((a, mapped(&b, &IDENTITY, &core::array::from_fn(|k| at[k] - of[k]))?))
 }
 
-/// Half-spaces with opposite normals, of unlike lengths, and a gap, an overlap or neither.
+/// Half-spaces with opposite normals of different lengths, and a gap, an overlap or neither.
 fn opposite(rng: &mut Rng) -> Option<(Shape, Shape)> {
     let length = *rng.pick(&[1.0, 3.0, 0.125]);
     let normal = rng.rotation()[0].map(|x| (x * 1024.0).round());

@@ -194,7 +194,7 @@ bool peer_pair_collide(void *pair, const Rows &rows) {
 }
 
 double peer_pair_distance(void *pair, const Rows &rows, double *at) {
-  // Without the depth of what meets.
+  // Without the depth of bodies that meet.
   const coal::DistanceRequest request(true, false);
   coal::DistanceResult result;
   try {

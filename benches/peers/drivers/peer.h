@@ -38,14 +38,14 @@ void peer_scene_free(void *scene);
 // Whether the links, at these poses, meet an obstacle or each other; ends at the first hit.
 bool peer_scene_collide(void *scene, const Rows *places);
 
-// For peers with convex shapes of a formula:
+// For peers with analytic convex shapes:
 
 // About the origin, with axes along z. A half-space is below z = 0.
 enum Kind { SPHERE, CAPSULE, CUBOID, CYLINDER, CONE, HALF_SPACE };
 
 struct Solid {
   Kind kind;
-  // The sides of a cuboid; otherwise the radius and the height, which of a capsule is that of its middle part.
+  // The side lengths of a cuboid; otherwise the radius and the height, for a capsule that of its middle part.
   double size[3];
 };
 
@@ -54,6 +54,6 @@ void *peer_pair(const Solid *a, const Solid *b);
 void peer_pair_free(void *pair);
 bool peer_pair_collide(void *pair, const Rows &rows);
 // The distance, 0 or less where they meet, and the closest points of A and of B, both in B's frame. NaN if the peer fails
-// at this pose, and -infinity if it has no distance of such a pair.
+// at this pose, and -infinity if it has no distance for such a pair.
 double peer_pair_distance(void *pair, const Rows &rows, double *points);
 }

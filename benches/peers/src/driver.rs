@@ -24,7 +24,7 @@ pub(crate) struct Driver {
     _library: Library,
 }
 
-/// The functions of a peer with shapes of a formula.
+/// The functions of a peer with analytic shapes.
 #[derive(Copy, Clone)]
 struct Solids {
     pair: unsafe extern "C" fn(*const Solid, *const Solid) -> Handle,
@@ -38,7 +38,7 @@ struct Solids {
 #[repr(C)]
 pub(crate) struct Solid {
     pub(crate) kind: Kind,
-    /// The sides of a cuboid; otherwise the radius and the height, which of a capsule is that of its middle part.
+    /// The side lengths of a cuboid; otherwise the radius and the height, for a capsule that of its middle part.
     pub(crate) size: [f64; 3],
 }
 
@@ -186,7 +186,8 @@ impl Driver {
         Pair { solids, handle: unsafe { (solids.pair)(a, b) }, _driver: Rc::clone(this) }
     }
 
-    /// Links, initially at these poses, which pairs of them are tested, row by row, and obstacles.
+    /// Builds a scene from links, initially at these poses, the pairs of links that are tested, row by row, and
+    /// obstacles.
     pub(crate) fn scene(
         this: &Rc<Self>,
         links: &Rc<Vec<Body>>,
@@ -263,7 +264,7 @@ impl Pair {
         unsafe { (self.solids.collide)(self.handle, rows) }
     }
 
-    /// As `peer_pair_distance`.
+    /// The result of `peer_pair_distance`.
     pub(crate) fn distance(&self, rows: &Rows, points: &mut [[f64; 3]; 2]) -> f64 {
         // SAFETY: as for `collides`; there is room for six numbers.
         unsafe { (self.solids.distance)(self.handle, rows, points) }

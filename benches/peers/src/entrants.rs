@@ -20,9 +20,9 @@ type Measure = Box<dyn Fn(&Rows) -> f64>;
 pub(crate) struct Entrant {
     pub(crate) name: String,
     pub(crate) version: String,
-    /// For all bodies of the scene.
+    /// Build time of all bodies of the scene, in milliseconds.
     pub(crate) build_ms: f64,
-    /// For all bodies, if the library reports it.
+    /// Memory of all bodies, if the library reports it.
     pub(crate) bytes: Option<usize>,
     /// Whether the bodies meet.
     pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
@@ -176,7 +176,7 @@ fn driven(name: &str, driver: Rc<Driver>, meshes: &[MeshData]) -> Entrant {
     }
 }
 
-/// As in Cargo.toml.
+/// The version in Cargo.toml.
 pub(crate) const PARRY_VERSION: &str = "0.31.1";
 
 /// parry in the precision of a crate.

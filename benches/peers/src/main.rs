@@ -65,8 +65,8 @@ struct Options {
     #[arg(long, overrides_with = "out")]
     out: PathBuf,
     /// Meshes, separated by commas [default: all]; with --sizes: cow, armadillo, room, hand; with --points tables:
-    /// growth, radii, scenes, particles, odd, single, any; with --shapes kinds: sphere, capsule, cuboid, cylinder, cone,
-    /// half-space
+    /// growth, radii, scenes, particles, odd, single, any; with --shapes kinds: sphere, capsule, cuboid, cylinder,
+    /// cone, half-space
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
     /// Poses for each mesh and distance, half of each method; with --sizes, --fineness and --shapes, for each row

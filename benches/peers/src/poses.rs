@@ -159,7 +159,7 @@ fn parsed(line: &str) -> Option<Line> {
     Some((Judged { rows, meets }, method))
 }
 
-/// Of the bits of the numbers, and the verdicts.
+/// The checksum of the bits of the numbers, and the verdicts.
 fn checksum(suite: &[Line]) -> String {
     let bytes = suite.iter().flat_map(|(pose, method)| {
         let numbers = pose.rows.iter().flatten().flat_map(|number| number.to_bits().to_le_bytes());

@@ -15,9 +15,9 @@ pub enum simdop_error {
     None = 0,
     /// A pointer is NULL.
     Null = 1,
-    /// A pointer is not aligned: the bytes of a tree to 64, an array to its items.
+    /// A pointer is not aligned: the bytes of a tree to 64 bytes, an array as its items require.
     Misaligned = 2,
-    /// An array is larger than any array can be, or than a body may be.
+    /// An array is larger than any array can be, or larger than a body may be.
     TooLarge = 3,
     /// A bug in the library, which is also printed to stderr. Handles passed to the call may only be destroyed.
     Panic = 4,
@@ -67,9 +67,9 @@ pub enum simdop_error {
     /// A volume of the tree does not contain a primitive below it, or a cap does not close the surface.
     BytesVolume = 34,
 
-    /// A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
+    /// A vertex is NaN, infinite or beyond 2^300, or a shape extends beyond 2^300.
     BuildVertex = 40,
-    /// A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300, or a round shape does.
+    /// A sphere's radius is negative, NaN or infinite, or a sphere or round shape extends beyond 2^300.
     BuildRadius = 41,
     /// All coordinates are below 2^-250: use a smaller unit.
     BuildTooSmall = 42,
@@ -90,9 +90,9 @@ pub enum simdop_error {
     ShapeCoordinate = 51,
     /// The normal of a half-space is zero.
     ShapeNoDirection = 52,
-    /// A half-space among the shapes of a tree, which are bounded: build it as a body of one shape.
+    /// A half-space is among the shapes of a tree, which must be bounded: build it as a body of one shape.
     ShapeUnbounded = 53,
-    /// A pose skews a cuboid: the cosine of the angle of two of its edges is beyond 1e-4.
+    /// A pose skews a cuboid: the cosine of the angle between two of its edges exceeds 1e-4.
     ShapeNotPerpendicular = 54,
     /// A shape's kind is not one of simdop_shape_kind.
     ShapeNoSuchKind = 55,
@@ -103,11 +103,11 @@ pub enum simdop_error {
     Tolerance = 60,
     /// The storage of a body differs from that of the other body, or of the bodies in the scene: build it again.
     OtherStorage = 61,
-    /// The bodies of a volume query are not both of spheres.
+    /// A query of the shared volume was given a body that is not made of spheres.
     NotSpheres = 62,
     /// A buffer of the caller is too small.
     Buffer = 63,
-    /// The bodies of a query of contacts are not both of triangles.
+    /// A query of contacts was given a body that is not made of triangles.
     NotMeshes = 64,
 
     /// The body is not, or no longer, in the scene.
@@ -148,7 +148,7 @@ pub enum simdop_error {
 
     /// A coordinate of a point is NaN or infinite.
     CloudPoint = 100,
-    /// The size of a cloud's buckets is not from 1 to 16.
+    /// The bucket size of a cloud is not from 1 to 16.
     CloudBucketSize = 101,
     /// There are fewer positions than a cloud has indices.
     CloudPositions = 102,
@@ -177,11 +177,11 @@ pub enum simdop_error {
     DescriptionFormat = 130,
     /// A joint of a description names a link that does not exist.
     DescriptionNoSuchLink = 131,
-    /// The links of a description are not a tree.
+    /// The links of a description do not form a tree.
     DescriptionNoTree = 132,
     /// A joint of a description has more than one degree of freedom.
     DescriptionKind = 133,
-    /// A joint of a description mimics one that does not move by itself.
+    /// A joint of a description mimics a joint that does not move by itself.
     DescriptionMimic = 134,
     /// A description has no variable or body of this index.
     DescriptionIndex = 135,
@@ -230,12 +230,12 @@ const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::BytesHeader, c"a field of the tree's header is invalid"),
     (simdop_error::BytesNode, c"a node of the tree is invalid"),
     (simdop_error::BytesVertex, c"a vertex of the tree is not finite or out of range"),
-    (simdop_error::BytesPrimitive, c"a primitive of the tree names a vertex that there is not"),
-    (simdop_error::BytesSource, c"a primitive of the tree had an index that cannot be"),
-    (simdop_error::BytesPart, c"what stands for a part of the tree's body cannot"),
+    (simdop_error::BytesPrimitive, c"a primitive of the tree refers to a vertex that does not exist"),
+    (simdop_error::BytesSource, c"the original index of a primitive of the tree is out of range"),
+    (simdop_error::BytesPart, c"the representative primitive of a part of the tree is invalid"),
     (simdop_error::BytesOtherStorage, c"the planes of the tree are neither fixed point nor half floats"),
     (simdop_error::BytesCaps, c"the tree of the caps is invalid"),
-    (simdop_error::BytesVolume, c"a volume of the tree does not contain what is below it"),
+    (simdop_error::BytesVolume, c"a volume of the tree does not contain the primitives below it"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or it extends beyond 2^300"),
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
@@ -244,7 +244,7 @@ const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::BuildNoSuchStorage, c"a storage is not one of simdop_storage"),
     (simdop_error::BuildHole, c"a mesh has a hole that is wider than the limit"),
     (simdop_error::BuildTooManyCaps, c"the holes of a mesh would take too many triangles to cap"),
-    (simdop_error::ShapeLength, c"a radius, side or height of a shape is not a length"),
+    (simdop_error::ShapeLength, c"a radius, side or height of a shape is out of range"),
     (simdop_error::ShapeCoordinate, c"a coordinate of a shape is not finite, or out of range"),
     (simdop_error::ShapeNoDirection, c"the normal of a half-space is zero"),
     (simdop_error::ShapeUnbounded, c"a body of several shapes cannot have a half-space"),

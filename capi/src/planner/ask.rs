@@ -14,7 +14,7 @@ use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 use std::ops::ControlFlow;
 
-/// The values of many queries of `length` numbers each, and a place for each verdict.
+/// The values of many queries, `length` numbers each, and a place for each verdict.
 ///
 /// # Safety
 /// Unless a pointer is NULL or misaligned, there are as many values, which nobody writes during `'a`, and as many
@@ -45,7 +45,7 @@ unsafe fn ends<'a>(from: *const f64, to: *const f64, count: usize) -> Result<[&'
     Ok([from, unsafe { items(to, count, "to") }?])
 }
 
-/// What the bodies and points of an answer were made of.
+/// The witness that an answer's bodies and points were made from.
 fn witness_of(near: &simdop_scene_clearance_answer) -> Option<SceneWitness> {
     let (hit, id) = (near.hit, BodyId::from_bits);
     let pair = Pair { a: hit.pair.a, b: hit.pair.b };
@@ -78,8 +78,8 @@ pub unsafe extern "C" fn simdop_planner_within(
 }
 
 /// Which of `state_count` configurations are free? `values` has a number for each variable that is planned for, for the
-/// first configuration, then for the second, and so on. `free` has room for a byte of each: 1 if it is certainly free,
-/// otherwise 0. Writes to `count` how many are. On failure, `free` is written, but means nothing.
+/// first configuration, then for the second, and so on. `free` has room for a byte for each: 1 if it is certainly free,
+/// otherwise 0. Writes the number of these to `count`. On failure, `free` is written, but means nothing.
 ///
 /// # Safety
 /// The arrays have these lengths.
@@ -105,10 +105,11 @@ pub unsafe extern "C" fn simdop_planner_check_states(
     })
 }
 
-/// Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside of it: what
-/// a scan must lose before it becomes an obstacle. Attached objects are parts of the robot. A point that is not finite is
-/// not near. `values` has a number for each variable that is planned for, and `points` three for each point. `near` has
-/// room for a byte of each: 1 if it is near, otherwise 0. Writes to `count` how many are. The call allocates.
+/// Which of `point_count` points of the world are within `margin` of the robot in a configuration, or inside it? Remove
+/// these points from a scan before it becomes an obstacle. Attached objects are parts of the robot. A point that is not
+/// finite is not near. `values` has a number for each variable that is planned for, and `points` three for each point.
+/// `near` has room for a byte for each: 1 if it is near, otherwise 0. Writes the number of near points to `count`. The
+/// call allocates.
 ///
 /// # Safety
 /// The arrays have these lengths.
@@ -139,7 +140,7 @@ pub unsafe extern "C" fn simdop_planner_near_robot(
     })
 }
 
-/// Is the straight motion from one configuration to another free at all times? Continuous joints take the shorter way
+/// Is the straight motion from one configuration to another free at all times? Continuous joints rotate the shorter way
 /// around. `from` and `to` have a number for each variable that is planned for.
 ///
 /// # Safety
@@ -160,8 +161,8 @@ pub unsafe extern "C" fn simdop_planner_check_motion(
     })
 }
 
-/// Like simdop_planner_check_motion(), at `parts` + 1 evenly spaced times only. The verdict is never free: nothing is
-/// certain between them.
+/// Like simdop_planner_check_motion(), but only at `parts` + 1 evenly spaced times. The verdict is never free: nothing
+/// is certain between these times.
 ///
 /// # Safety
 /// The arrays have this length.
@@ -184,8 +185,8 @@ pub unsafe extern "C" fn simdop_planner_check_motion_discrete(
     })
 }
 
-/// Which of `motion_count` straight motions are free at all times? `ends` has the values of the start of the first
-/// motion, those of its end, then those of the second motion, and so on. `free` and `count` are as those of
+/// Which of `motion_count` straight motions are free at all times? `ends` has the values of the start and of the end of
+/// the first motion, then those of the second motion, and so on. `free` and `count` are as in
 /// simdop_planner_check_states().
 ///
 /// # Safety
@@ -208,9 +209,10 @@ pub unsafe extern "C" fn simdop_planner_check_motions(
     })
 }
 
-/// Which share of a straight motion, from its start, is free at all times? Writes 1 if all of it is, and 0 if not even
-/// the start is. Otherwise the motion to `from` + share (`to` - `from`), the shorter way of continuous joints, is free,
-/// and a hit or an unresolved time is at most 1/1024 of the motion later.
+/// How much of a straight motion, as a fraction from its start, is free at all times? Writes 1 for the whole motion,
+/// and 0 if not even the start is free. Otherwise the motion to `from` + share (`to` - `from`) is free, where
+/// continuous joints rotate the shorter way around, and a hit or an unresolved time follows after at most 1/1024 of the
+/// motion.
 ///
 /// # Safety
 /// The arrays have a number for each variable that is planned for.
@@ -230,8 +232,8 @@ pub unsafe extern "C" fn simdop_planner_free_share(
     })
 }
 
-/// Calls `on_hit` with `user` once for each two bodies that come within `margin` of each other in a configuration. It
-/// must not use the workspace. Otherwise like simdop_scene_each_hit().
+/// Calls `on_hit` with `user` once for each pair of bodies that come within `margin` of each other in a configuration.
+/// The callback must not use the workspace. Otherwise like simdop_scene_each_hit().
 ///
 /// # Safety
 /// `values` has a number for each variable that is planned for, and `user`, which may be NULL, is what `on_hit`
@@ -283,12 +285,12 @@ pub unsafe extern "C" fn simdop_planner_clearance(
     })
 }
 
-/// Writes the derivative of a clearance by each variable that is planned for, in the bodies' unit per unit of the
-/// variable. `near` is what simdop_planner_clearance() wrote, which must have been the last query of the workspace.
-/// Zeros if it has no hit, or its points coincide.
+/// Writes the derivative of a clearance with respect to each variable that is planned for, in the bodies' unit per unit
+/// of the variable. `near` is what simdop_planner_clearance() wrote, which must have been the last query of the
+/// workspace. Zeros if it has no hit, or its points coincide.
 ///
 /// # Safety
-/// `gradient` has room for a number of each variable.
+/// `gradient` has room for a number for each variable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_planner_clearance_gradient(
     planner: Option<&simdop_planner>,
@@ -307,8 +309,8 @@ pub unsafe extern "C" fn simdop_planner_clearance_gradient(
     })
 }
 
-/// Writes where a point of a body, of three numbers in its frame, is in the world, in the last configuration of the
-/// workspace.
+/// Writes the position in the world of a point of a body, in the last configuration of the workspace. `point` has three
+/// numbers, in the body's frame.
 ///
 /// # Safety
 /// `point` has three numbers, and `world` has room for them.
@@ -332,8 +334,8 @@ pub unsafe extern "C" fn simdop_planner_to_world(
 }
 
 /// Do two bodies meet never, always, or sometimes, within the limits of all joints of the robot? Like
-/// simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot,
-/// whichever are planned for. The call allocates.
+/// simdop_scene_classify_pair(): `meeting` and `free` have room for a number for each variable of the robot, whether or
+/// not it is planned for. The call allocates.
 ///
 /// # Safety
 /// The arrays have this room.
@@ -360,8 +362,8 @@ pub unsafe extern "C" fn simdop_planner_classify_pair(
     })
 }
 
-/// The least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(), and its derivative
-/// by each variable, which is written to `gradient`: of a distance, or where bodies meet, of `lower`.
+/// Writes the least signed distance of two bodies in a configuration, like simdop_scene_signed_clearance(). Writes its
+/// derivative with respect to each variable to `gradient`: that of a distance, or of `lower` if bodies meet.
 ///
 /// # Safety
 /// `values` and `gradient` have a number for each variable that is planned for.

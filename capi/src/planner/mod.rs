@@ -1,4 +1,4 @@
-//! A robot among objects, asked by the values of its joints (feature `planning`).
+//! A robot among objects, queried by the values of its joints (feature `planning`).
 
 mod ask;
 mod plan;
@@ -28,8 +28,8 @@ use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// A robot with its meshes, and the objects around it. Its bodies and objects share their trees with its copies.
-/// Queries take a workspace each, so that several threads may ask one planner at once.
+/// A robot with its meshes, and the objects around it. Copies of a planner share the trees of its bodies and objects.
+/// Each query takes a workspace, so several threads may query one planner at once.
 #[derive(Debug)]
 pub struct simdop_planner {
     scene: PlanningScene,
@@ -43,8 +43,8 @@ struct Names {
     groups: Vec<CString>,
 }
 
-/// Memory for the queries of one thread. It serves a planner, its copies, and all later states of them. A query with a
-/// planner that has changed first copies its scene, and allocates.
+/// Memory for the queries of one thread. It serves a planner and its copies, also after they change. The first query
+/// after a change copies the planner's scene, and allocates.
 #[derive(Debug)]
 pub struct simdop_workspace(Workspace);
 
@@ -151,9 +151,9 @@ pub unsafe extern "C" fn simdop_planner_limits(
     })
 }
 
-/// Writes the variable of an index among those that are planned for. Its name is that of its joint, and is valid as
-/// long as the planner or a copy of it. A continuous joint has one full turn either way, and may be given any number
-/// of turns.
+/// Writes the variable with this index among those that are planned for. Its name is that of its joint, and is valid as
+/// long as the planner or a copy of it. A continuous joint accepts any number of turns, and rotates the shorter way
+/// around in motions.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_get_variable(
     planner: Option<&simdop_planner>,
@@ -165,11 +165,12 @@ pub extern "C" fn simdop_planner_get_variable(
         let [lower, upper] = *at(scene.limits(), index)?;
         let planned = scene.variable_names().nth(index).unwrap_or_default();
         let name = names.variables.iter().find(|name| name.to_bytes() == planned.as_bytes());
-        Ok(simdop_variable { name: name.map_or(c"".as_ptr(), |name| name.as_ptr()), lower, upper })
+        let name = name.map_or(c"".as_ptr(), |name| name.as_ptr());
+        Ok(simdop_variable { name, lower, upper, is_continuous: scene.is_continuous(index).into() })
     })
 }
 
-/// Writes the number of groups of joints of the SRDF file.
+/// Writes the number of groups of joints in the SRDF file.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_groups(
     planner: Option<&simdop_planner>,
@@ -178,8 +179,8 @@ pub extern "C" fn simdop_planner_groups(
     answered(count, || Ok(given(planner, "planner")?.names.groups.len()))
 }
 
-/// Writes the name of the group of an index: see simdop_planner_select_group(). It is valid as long as the planner or a
-/// copy of it.
+/// Writes the name of the group with this index: see simdop_planner_select_group(). It is valid as long as the planner
+/// or a copy of it.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_get_group(
     planner: Option<&simdop_planner>,
@@ -189,7 +190,7 @@ pub extern "C" fn simdop_planner_get_group(
     answered(name, || Ok(at(&given(planner, "planner")?.names.groups, index)?.as_ptr()))
 }
 
-/// Plans for a group of joints of the SRDF file only. All other variables keep their values in `rest`, which has
+/// Plans only for one group of joints in the SRDF file. All other variables keep their values in `rest`, which has
 /// `count` numbers: one for each variable of the robot.
 ///
 /// # Safety
@@ -220,7 +221,7 @@ pub extern "C" fn simdop_planner_place_base(
 }
 
 /// Sets the length of the shortest interval of time that a motion is split into, 1e-6 at first: a motion that cannot be
-/// decided within it is unresolved. One that is NaN or not positive is an error of each motion.
+/// decided at this length is unresolved. If it is NaN or not positive, every motion query fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_set_resolution(
     planner: Option<&mut simdop_planner>,
@@ -233,8 +234,8 @@ pub extern "C" fn simdop_planner_set_resolution(
     })
 }
 
-/// Sets the most visits of each query, SIMDOP_NO_BUDGET at first. What is not decided by then is unknown, unresolved,
-/// or not certainly free.
+/// Sets the budget of each query in visits, SIMDOP_NO_BUDGET at first. A query that exceeds it answers unknown,
+/// unresolved, or not certainly free.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_set_budget(
     planner: Option<&mut simdop_planner>,
@@ -247,18 +248,18 @@ pub extern "C" fn simdop_planner_set_budget(
     })
 }
 
-/// Makes simdop_planner_check_states() faster, with the same verdicts: most configurations are decided by bounds,
-/// which are certain, and the rest by the bodies. The bounds are of the distance to what stands still, in cells of
-/// this width, such as 0.02 m, one byte each and 4 million at most, and of spheres around and inside of the links.
-/// Every change of the objects computes the cells near them again. Takes seconds for a robot with many pairs of
-/// links, once for all copies. While an object is attached, or with a budget, all configurations are decided by the
-/// bodies.
+/// Speeds up queries of many configurations, and of motions, without changing a verdict: conservative bounds decide
+/// most of them, and the bodies decide the rest. The bounds use a grid of distances to what stands still, with cells of
+/// this width, such as 0.02 m, one byte each and 4 million at most, and spheres around and inside the links. Every
+/// change of the objects recomputes the cells near them. The call takes seconds for a robot with many pairs of links,
+/// once for all copies. With a budget, or while an object is attached that is neither a shape nor a mesh, the bodies
+/// decide everything.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_use_bounds(planner: Option<&mut simdop_planner>, cell: f64) -> simdop_error {
     guarded(|| Ok(given(planner, "planner")?.scene.use_bounds(cell)?))
 }
 
-/// Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 where the bounds do not apply.
+/// Writes the number of bytes of the cells of simdop_planner_use_bounds(): 0 if the bounds do not apply.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_bound_bytes(
     planner: Option<&simdop_planner>,
@@ -267,7 +268,7 @@ pub extern "C" fn simdop_planner_bound_bytes(
     answered(bytes, || Ok(given(planner, "planner")?.scene.bound_bytes().unwrap_or(0)))
 }
 
-/// Adds an object: a body of fixed point or of one shape, which must exist as long as the planner, its copies and their
+/// Adds an object: a body of fixed point or of one shape, which must outlive the planner, its copies and their
 /// workspaces. Make it fixed unless it will be attached to the robot.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_insert(
@@ -327,8 +328,8 @@ pub unsafe extern "C" fn simdop_planner_link(
     })
 }
 
-/// Attaches an object to a link of the robot, as it stands while the `count` variables have these values. It may touch
-/// that link, and any other that simdop_planner_allow_collision() names.
+/// Attaches an object to a link of the robot, at their relative pose when the `count` variables have these values. It
+/// may touch that link, and any other that simdop_planner_allow_collision() names.
 ///
 /// # Safety
 /// The name ends with a NUL, and the array has the stated length.
@@ -349,7 +350,7 @@ pub unsafe extern "C" fn simdop_planner_attach(
     })
 }
 
-/// Detaches an object from the robot. It stands at `world` from then on, and is tested against all links.
+/// Detaches an object from the robot and places it at `world`. From then on it is tested against all links.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_planner_detach(
     planner: Option<&mut simdop_planner>,
@@ -388,7 +389,7 @@ pub extern "C" fn simdop_planner_forbid_collision(
     })
 }
 
-/// What each query takes.
+/// The planner and the workspace of a query.
 fn both<'p>(
     planner: Option<&'p simdop_planner>,
     workspace: Option<&'p mut simdop_workspace>,

@@ -11,13 +11,13 @@ use std::mem::MaybeUninit;
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_plan_settings {
-    /// Longest motion by which a tree grows, in the joints. Positive.
+    /// Longest motion that extends a tree, as a distance in joint space. Positive.
     pub step: f64,
-    /// Greatest number of random configurations.
+    /// Maximum number of random configurations.
     pub configurations: u32,
     /// Number of straight motions that are tried to shorten the path.
     pub shortcuts: u32,
-    /// Start of the random numbers. The same seed gives the same path on every machine.
+    /// Seed of the random numbers. The same seed gives the same path on every machine.
     pub seed: u64,
 }
 
@@ -25,9 +25,9 @@ pub struct simdop_plan_settings {
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_planned_path {
-    /// Number of configurations of the path, with both ends. 0 if no path was found.
+    /// Number of configurations of the path, both ends included. 0 if no path was found.
     pub count: usize,
-    /// Length of the path in the joints.
+    /// Length of the path in joint space.
     pub length: f64,
     /// Number of motions that were checked.
     pub motions: u32,
@@ -42,12 +42,12 @@ pub extern "C" fn simdop_plan_settings_default() -> simdop_plan_settings {
     simdop_plan_settings { step, configurations, shortcuts, seed }
 }
 
-/// Searches a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all
-/// times. `start` has a number for each variable that is planned for, and `goals` for each goal, one after the other.
-/// Goals that are not free are ignored; if the start is not, there is no path.
+/// Plans a path by RRT-Connect from `start` to one of `goal_count` goals: straight motions that are free at all times.
+/// `start` has a number for each variable that is planned for, and `goals` has as many for each goal, one after the
+/// other. Goals that are not free are ignored; if the start is not free, there is no path.
 ///
-/// Writes to `path`, which has room for `room` configurations, those of the path, one after the other, and to `answer`
-/// how many there are, also if they are more than `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
+/// Writes the configurations of the path, one after the other, to `path`, which has room for `room` of them. Writes
+/// their number to `answer`, even if it exceeds `room`, which is SIMDOP_ERROR_BUFFER. The call allocates.
 ///
 /// # Safety
 /// The arrays have these lengths.
@@ -94,12 +94,12 @@ pub unsafe extern "C" fn simdop_planner_plan(
     })
 }
 
-/// Returns a random number from 0 to 1, without 1. It must return, without an exception or a longjmp().
+/// Returns a random number from 0 to 1, excluding 1. It must return, without an exception or a longjmp().
 pub type simdop_random = Option<unsafe extern "C" fn(user: *mut c_void) -> f64>;
 
-/// Writes a random free configuration to `values`, which has room for a number of each variable that is planned for,
-/// from numbers that `random` returns for `user`, and 1 to `is_found`. After `tries` configurations that are not
-/// free, it writes 0 to `is_found`, and zeros to `values`. The call allocates.
+/// Writes a random free configuration to `values`, a number for each variable that is planned for, and 1 to `is_found`.
+/// `random` is called with `user` for each random number. After `tries` configurations that are not free, writes 0 to
+/// `is_found` and zeros to `values`. The call allocates.
 ///
 /// # Safety
 /// The array has this length, and `user`, which may be NULL, is what `random` expects.

@@ -12,7 +12,8 @@ use std::ops::ControlFlow;
 /// The id that stands for no body.
 pub const SIMDOP_NO_BODY: simdop_body_id = u64::MAX;
 
-/// Two bodies that meet, and primitives of theirs that do; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are none.
+/// Two bodies that meet, and two of their primitives that meet; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are
+/// none.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_scene_hit {
@@ -100,25 +101,26 @@ impl From<SceneAnswer> for simdop_scene_answer {
     }
 }
 
-/// The answer of simdop_scene_signed_clearance(): the smallest signed distance of two bodies lies in lower ..= upper.
+/// The answer of simdop_scene_signed_clearance(): the least signed distance of two bodies lies in lower ..= upper.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_scene_signed_answer {
-    /// Whether the search was not cut short by the budget. The bounds hold in any case.
+    /// Complete, or out of budget: then the bounds may be loose, but are valid.
     pub completion: simdop_completion,
     /// Lower bound: the cutoff, if no two bodies are nearer. If some meet, minus the upper bound of their depth.
     pub lower: f64,
     /// Upper bound. Infinite if no two bodies nearer than the cutoff were found. If some meet, minus the lower bound of
-    /// their depth, which is 0 if nothing is known of their insides.
+    /// their depth, which is 0 if their interiors are unknown.
     pub upper: f64,
-    /// If `upper` is finite: the bodies that are deepest in each other, or the nearest ones, and their primitives.
+    /// If `upper` is finite: the bodies that penetrate each other the deepest, or the nearest ones, and their
+    /// primitives.
     pub hit: simdop_scene_hit,
-    /// The point of `hit.a`'s primitive in the world: the nearest, or the one that touches `hit.b` last when `hit.a`
-    /// leaves it along the normal. Ignores the body's radius. NaN if there is no hit.
+    /// The point of `hit.a`'s primitive in the world: the nearest to `hit.b`, or the last one in contact with `hit.b`
+    /// while `hit.a` moves out along the normal. Ignores the body's radius. NaN if there is no hit.
     pub point_a: [f64; 3],
     /// The point of `hit.b`'s primitive.
     pub point_b: [f64; 3],
-    /// The unit vector in the world along which `hit.a` leaves `hit.b`. Zeros if none is known.
+    /// The unit vector in the world along which `hit.a` moves out of `hit.b`. Zeros if none is known.
     pub normal: [f64; 3],
     /// Pairs of bodies tested.
     pub pairs: u64,
@@ -204,8 +206,8 @@ pub extern "C" fn simdop_scene_clearance(
     })
 }
 
-/// What is the smallest signed distance between the bodies of any tested pair, up to `cutoff`: their distance, or minus
-/// the depth of those that are deepest in each other? Otherwise like simdop_scene_clearance().
+/// What is the least signed distance between the bodies of any tested pair, up to `cutoff`: the least distance, or
+/// minus the greatest penetration depth if bodies meet? Otherwise like simdop_scene_clearance().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_signed_clearance(
     scene: Option<&simdop_scene>,

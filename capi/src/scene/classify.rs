@@ -1,4 +1,4 @@
-//! Classes of pairs of bodies over all values of a robot's joints.
+//! Classifies pairs of bodies over all values of a robot's joints.
 
 use super::{simdop_body_id, simdop_scene, with_scene};
 use crate::boundary::{answered, given, items, places};
@@ -9,15 +9,15 @@ use simdop::scene::{BodyId, PairClass, PairReport};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
 
-/// Whether two bodies meet, over all values of the joints within their limits.
+/// Whether two bodies meet, over all values of the joints within the limits.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_pair_class {
-    /// At no values: the pair need not be tested, see simdop_scene_allow_collision(). Certain.
+    /// At none: the pair need not be tested, see simdop_scene_allow_collision(). This is certain.
     Never = 0,
-    /// At all values. Certain.
+    /// At all. This is certain.
     Always = 1,
-    /// At some values, and not at others.
+    /// At some, and not at others.
     Sometimes = 2,
     /// The limit on the number of boxes was reached before the class was certain.
     Undecided = 3,
@@ -35,6 +35,8 @@ pub struct simdop_pair_report {
     pub has_free: c_int,
     /// Number of boxes of values tested.
     pub boxes: usize,
+    /// Number of random values tested.
+    pub samples: usize,
 }
 
 /// Do two bodies meet never, always, or sometimes, within the limits of a robot's joints? `moving` lists the scene's
@@ -89,7 +91,7 @@ pub(crate) fn report_of(
         c_int::from(values.is_some())
     };
     simdop_pair_report {
-        pair_class: match found.fate {
+        pair_class: match found.class {
             PairClass::Never => simdop_pair_class::Never,
             PairClass::Always => simdop_pair_class::Always,
             PairClass::Sometimes => simdop_pair_class::Sometimes,
@@ -98,5 +100,6 @@ pub(crate) fn report_of(
         has_meeting: copy(found.meeting, meeting),
         has_free: copy(found.free, free),
         boxes: found.boxes,
+        samples: found.samples,
     }
 }

@@ -1,4 +1,4 @@
-//! Motions: do bodies of a scene meet anywhere on the way?
+//! Motion queries: do bodies of a scene meet at any time?
 
 use super::states::StatesRoom;
 use super::{AnyScene, simdop_body_id, simdop_scene, simdop_scene_hit, with_scene};
@@ -15,9 +15,9 @@ use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
-/// Capacity of a motion query: pairs of bodies, each with an interval of time that is still to be checked. It takes two
-/// for each pair of bodies that come near each other, and more where they come close. Pairs beyond the capacity are
-/// unresolved. A scene allocates this memory, 768 KiB, at its first motion query and keeps it. Later ones allocate
+/// Capacity of a motion query: pairs of bodies, each with an interval of time that is still to be checked. A query
+/// needs two for each pair of bodies that come near each other, and more if they come close. Pairs beyond the capacity
+/// are unresolved. A scene allocates this memory, 768 KiB, at its first motion query and keeps it. Later ones allocate
 /// nothing, unless more bodies move, or a robot has more joints or variables.
 pub const SIMDOP_EDGE_ROOM: usize = 65536;
 
@@ -25,7 +25,7 @@ pub const SIMDOP_EDGE_ROOM: usize = 65536;
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_motion_verdict {
-    /// The bodies of no tested pair meet at any time from 0 to 1. Certain.
+    /// No tested pair of bodies meets at any time from 0 to 1. This is certain.
     Free = 0,
     /// Two bodies meet at some time, not necessarily the first.
     Hit = 1,
@@ -87,7 +87,7 @@ pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
     poses: Vec<Pose>,
     waiting: Vec<MotionHit>,
-    /// Of many configurations.
+    /// Poses of many configurations.
     states: Vec<Pose>,
     boxes: Vec<Aabb16>,
     motion: MotionRoom,
@@ -96,7 +96,7 @@ pub(super) struct EdgeRoom {
 /// Memory of the motions themselves, which grow it as needed.
 #[derive(Default, Debug)]
 struct MotionRoom {
-    /// What callbacks write: one pose for each moving body.
+    /// Poses that callbacks write, one for each moving body.
     written: Vec<simdop_pose>,
     /// The values of a robot's variables, and its links.
     values: Vec<f64>,
@@ -104,8 +104,7 @@ struct MotionRoom {
 }
 
 impl EdgeRoom {
-    /// Resizes the memory for a motion of these bodies, and returns their ids, the memory of the query, and that of the
-    /// motion.
+    /// Resizes the memory for a motion of these bodies. Returns their ids, the query's memory, and the motion's memory.
     fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], MotionMemory<'_>, &mut MotionRoom) {
         let Self { moving: ids, poses, waiting, motion, .. } = self;
         ids.clear();
@@ -161,12 +160,12 @@ impl<'e> CalledEdge<'e> {
 
 /// Do the bodies of any tested pair meet at any time of a motion? The motion moves some bodies, and those attached to
 /// them; all others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not only for samples,
-/// provided that the motion's `path` is a valid bound.
+/// provided that the motion's bounds are valid.
 ///
 /// `moving` lists the `count` moving bodies in the order of the motion; none of them is attached to another body.
-/// Intervals of time not longer than `resolution`, which is positive, are not split: bodies so close that this would be
-/// needed are unresolved. Stops after `budget` visits, summed over all pairs and times. Afterwards, even after a
-/// failure, the bodies are at their original poses.
+/// Intervals of time not longer than `resolution`, which is positive, are not split: bodies so close that shorter ones
+/// would be needed are unresolved. Stops after `budget` visits, summed over all pairs and times. Afterwards, even after
+/// a failure, the bodies are at their original poses.
 ///
 /// # Safety
 /// `moving` has `count` ids. `motion->user` is what the motion's callbacks expect, and these fulfil the contract of
@@ -193,10 +192,9 @@ pub unsafe extern "C" fn simdop_scene_check_motion(
     })
 }
 
-/// Like simdop_scene_check_motion(), but only at the times that divide 0 to 1 into `parts` equal intervals, at least 1,
-/// both ends included. Splits the longest gaps first and stops at the first hit. The verdict is never
-/// SIMDOP_MOTION_VERDICT_FREE, but unresolved from 0 to 1: the times in between are not checked. The motion's `path` is
-/// not called, and may be NULL.
+/// Like simdop_scene_check_motion(), but only at the ends of `parts` equal intervals, at least 1, from 0 to 1. Splits
+/// the longest gaps first and stops at the first hit. The verdict is never SIMDOP_MOTION_VERDICT_FREE, but unresolved
+/// from 0 to 1: the times in between are not checked. The motion's `path` is not called, and may be NULL.
 ///
 /// # Safety
 /// As for simdop_scene_check_motion().
@@ -224,9 +222,9 @@ pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
 }
 
 /// Like simdop_scene_check_motion(), for one body, and those attached to it, on a screw motion from one pose in the
-/// world to another: it rotates uniformly about an axis, by at most half a turn, and moves uniformly along the axis. If
-/// the rotations are equal, it moves along a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to
-/// the deviation of the matrices from a rotation. The body's pose in the scene is irrelevant.
+/// world to another: the body rotates uniformly about an axis, by at most half a turn, and moves uniformly along the
+/// axis. If the rotations are equal, it moves along a straight line. It ends at `to` up to 1e-7 of the coordinates, and
+/// up to the deviation of the matrices from a rotation. The body's pose in the scene is irrelevant.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_check_screw(
     scene: Option<&mut simdop_scene>,

@@ -27,6 +27,7 @@ use crate::pose::simdop_pose;
 use crate::robot::simdop_robot;
 use edge::EdgeRoom;
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
+use simdop::node::Dop;
 use simdop::scene::{Body, BodyId, BodyTree, Groups, Scene};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
@@ -38,8 +39,8 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct simdop_scene {
     pub(crate) scene: AnyScene,
-    /// Whether it was chosen, or a body was ever inserted: then the storage is that of the scene, since ids outlive
-    /// their bodies.
+    /// Whether the storage was chosen, or a body was ever inserted. Then the storage is final, since ids outlive their
+    /// bodies.
     has_storage: bool,
     room: EdgeRoom,
 }
@@ -79,7 +80,7 @@ macro_rules! with_scene {
 
 pub(crate) use with_scene;
 
-// The header guarantees these properties.
+// The header promises these properties.
 const _: () = {
     const fn shared_among_threads<T: Send + Sync>() {}
     shared_among_threads::<simdop_body>();
@@ -88,8 +89,8 @@ const _: () = {
     shared_among_threads::<simdop_robot>();
 };
 
-/// The id of a body in its scene, and in no other. The id of a removed body is an error until its slot was reused 2^32
-/// times.
+/// The id of a body in its scene, and in no other. The id of a removed body is an error until its slot has been reused
+/// 2^32 times.
 pub type simdop_body_id = u64;
 
 /// The role of a body in a scene. Start from simdop_role_default(): a body whose role is all zeros is tested against
@@ -132,7 +133,7 @@ macro_rules! change {
 }
 
 /// Creates an empty scene. It grows as bodies are inserted. The first body decides the storage of all bodies of the
-/// scene; if that is one shape or a cloud, which has none, it is fixed point.
+/// scene. If it is one shape or a cloud, which have no storage, the scene takes fixed point.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
@@ -143,7 +144,7 @@ pub extern "C" fn simdop_scene_create(
     })
 }
 
-/// Creates an empty scene of bodies in `storage`, a simdop_storage, whichever body comes first.
+/// Creates an empty scene of bodies in `storage`, a simdop_storage, whatever body is inserted first.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_create_as(
     storage: c_int,
@@ -235,8 +236,8 @@ pub extern "C" fn simdop_scene_place(
     })
 }
 
-/// Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, those before the one at fault
-/// are placed.
+/// Places `count` bodies, like as many calls of simdop_scene_place(). After a failure, the bodies before the one at
+/// fault are placed.
 ///
 /// # Safety
 /// The arrays have this length.
@@ -253,17 +254,27 @@ pub unsafe extern "C" fn simdop_scene_place_all(
         let ids = unsafe { items(ids, count, "ids") }?;
         // SAFETY: as above.
         let worlds = unsafe { items(worlds, count, "worlds") }?;
-        for (i, (id, world)) in ids.iter().zip(worlds).enumerate() {
-            let of = |failure: Failure| failure.of(&format!("body {i}"));
-            let world = world.checked().map_err(|error| of(error.into()))?;
-            with_scene!(&mut *scene, |scene| scene.place(BodyId::from_bits(*id), &world))
-                .map_err(|error| of(error.into()))?;
-        }
-        Ok(())
+        with_scene!(scene, |scene| place_all(scene, ids, worlds))
     })
 }
 
-/// Writes the pose of a body in the world. That of an attached body has moved along with the other.
+fn place_all<N: Dop>(
+    scene: &mut Scene<'static, N>,
+    ids: &[simdop_body_id],
+    worlds: &[simdop_pose],
+) -> Result<(), Failure> {
+    for (i, (id, world)) in ids.iter().zip(worlds).enumerate() {
+        let placed = match world.checked() {
+            Ok(world) => scene.place(BodyId::from_bits(*id), &world).map_err(Failure::from),
+            Err(error) => Err(error.into()),
+        };
+        placed.map_err(|failure| failure.of(&format!("body {i}")))?;
+    }
+    Ok(())
+}
+
+/// Writes the pose of a body in the world. The pose of an attached body includes the moves of the body that it is
+/// attached to.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_world_pose(
     scene: Option<&simdop_scene>,

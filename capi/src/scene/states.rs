@@ -1,4 +1,4 @@
-//! Many configurations in one call: which are free?
+//! Tests many configurations in one call.
 
 use super::{AnyScene, simdop_body_id, simdop_scene, with_scene};
 use crate::boundary::{answered, filled, given, items, places};
@@ -17,7 +17,7 @@ use std::mem::MaybeUninit;
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_states_answer {
-    /// Complete, or out of budget: then free configurations may be left unmarked.
+    /// Complete, or out of budget: in the latter case, free configurations may be left unmarked.
     pub completion: simdop_completion,
     /// Number of configurations that are certainly free.
     pub free: usize,
@@ -79,10 +79,10 @@ fn check(
 
 /// Which of `state_count` configurations are free? `poses` has a pose in the world of each of the `count` moving bodies
 /// for the first configuration, then for the second, and so on. `free` has room for a byte of each configuration: 1 if
-/// it is certainly free, and otherwise 0. Much faster than placing the bodies and asking one by one, since the library
-/// tests sixteen configurations together.
+/// it is certainly free, and otherwise 0. Much faster than placing the bodies and querying one configuration at a time,
+/// since the library tests sixteen together.
 ///
-/// Attached bodies move along; all others stand still. The current poses of the moving bodies do not matter, and do not
+/// Attached bodies move along; all others stand still. The current poses of the moving bodies are ignored, and do not
 /// change. Stops after `budget` visits in all. On failure, `free` is written, but means nothing. A scene allocates
 /// memory for sixteen configurations at its first such call, and keeps it.
 ///

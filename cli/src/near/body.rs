@@ -26,7 +26,7 @@ struct Report {
     margin: f64,
     repeat: u32,
     summary: Summary,
-    /// In the order of the file.
+    /// Rows, in the order of the file.
     poses: Vec<Row>,
 }
 
@@ -44,7 +44,7 @@ struct Row {
     /// The primitive found near a point, by its index from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     primitive: Option<u32>,
-    /// That point, by its index from 0.
+    /// The point, by its index from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     point: Option<u32>,
     nanoseconds: u64,
@@ -60,13 +60,13 @@ enum Body {
 }
 
 pub(super) fn run(given: &Given, options: &Options) -> Result<u8, Error> {
-    // Read the poses first: an error in them shows before the trees are built.
+    // Read the poses first, so that an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let body = Body::read(given, options.json)?;
     let (cloud, about) = Points::read(options)?.build(options.repeat)?;
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
 
-    // Fewer are done instantly.
+    // Fewer poses finish instantly.
     let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut rows = Vec::with_capacity(poses.len());
     for pose in &poses {

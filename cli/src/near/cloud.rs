@@ -30,7 +30,7 @@ pub(super) struct Report {
     pub(super) points: usize,
     /// Maximum difference between a coordinate of the file and its `f32`.
     rounding: f64,
-    /// Of the tree, which contains the points.
+    /// Bytes of the tree, which contains the points.
     bytes: usize,
     bytes_per_point: f64,
     /// Null for built-in points.
@@ -72,7 +72,7 @@ impl Points {
         };
         let (cloud, time) = fastest(repeat, build)?;
         let view = cloud.view();
-        // The owner stores the places, one number for each index.
+        // The owner also stores the place of each index, one number each.
         let bytes =
             size_of_val(view.nodes()) + size_of_val(view.buckets()) + view.capacity() * size_of::<u32>();
         let report = Report {

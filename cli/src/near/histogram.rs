@@ -11,7 +11,7 @@ const BAR: usize = 50;
 #[derive(Serialize)]
 pub(super) struct Histogram {
     least: u32,
-    /// For an even number of points, the lower of the two in the middle.
+    /// For an even number of points, the lower of the two middle numbers.
     median: u32,
     mean: f64,
     greatest: u32,
@@ -67,7 +67,7 @@ impl Histogram {
     }
 }
 
-/// The smallest of 1, 2, 5, 10, 20 and so on that makes few enough rows.
+/// The smallest of 1, 2, 5, 10, 20 and so on that gives few enough rows.
 fn width(least: u32, greatest: u32) -> u32 {
     let mut decade = 1;
     loop {

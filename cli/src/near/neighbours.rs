@@ -11,7 +11,7 @@ use serde::Serialize;
 use simdop::cloud::{CloudRef, List, Queries, Radii, RangeSearch, SearchError};
 use std::io::Write;
 
-/// For the built-in points: one far from the faces of the cube has about thirty neighbours.
+/// The radius for the built-in points: a point far from the faces of the cube has about thirty neighbours.
 const BUILT_IN_RADIUS: f32 = 0.038;
 
 #[derive(Serialize)]
@@ -63,7 +63,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 
 /// The neighbours of each point on a line of its own.
 fn lists(search: &RangeSearch, cloud: &CloudRef<'_>, radius: f32, total: u64) -> Result<String, SearchError> {
-    // The offsets of a list have 32 bits.
+    // Offsets of lists have 32 bits.
     let Ok(room) = u32::try_from(total) else {
         return Err(SearchError::Buffer { have: u32::MAX as usize, need: total });
     };

@@ -1,4 +1,4 @@
-//! What can be chosen.
+//! The options.
 
 use crate::shape::{self, Given};
 use crate::{File, isa, poses};
@@ -8,13 +8,13 @@ use simdop::isa::Isa;
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("asked").args(["radius", "a"])))]
 pub(crate) struct Options {
-    /// The points: the vertices of a .ply, or an .xyz with one point per line, of which the first three numbers are
-    /// read. Without it: built-in points, uniform in the unit cube.
+    /// The points: the vertices of a .ply, or an .xyz with one point per line, whose first three numbers are read.
+    /// Without it: built-in points, uniform in the unit cube.
     #[arg(requires = "asked")]
     pub(super) cloud: Option<File>,
     /// Find the neighbours of every point within this distance; each point is its own neighbour, too [default for the
     /// built-in points: 0.038].
-    // Without the conflicts, clap would silently accept options that require a body, although there is none.
+    // Without the conflicts, clap would silently accept options that require a body without one.
     #[arg(
         short,
         long,
@@ -28,8 +28,8 @@ pub(crate) struct Options {
     /// replaced atomically, once the list is complete.
     #[arg(short, long, value_name = "FILE", conflicts_with = "a")]
     pub(super) output: Option<File>,
-    /// Test at each pose whether any point is near this body, A: a packing (.txt), whose spheres are solid, a mesh,
-    /// which is a surface, a tree, or a shape or hull as for `simdop collide`, such as box:0.1,0.2,0.3. The cloud is B.
+    /// Test at each pose whether any point is near this body, A: a packing (.txt), whose spheres are solid; a mesh,
+    /// which is a surface; a tree; or a shape or hull as for `simdop collide`, such as box:0.1,0.2,0.3. The cloud is B.
     #[arg(id = "a", long = "body", value_name = "FILE", value_parser = shape::parser())]
     pub(super) body: Option<Given>,
     /// Distance from the body that counts as near; 0 means touching it, or being inside a sphere or shape.

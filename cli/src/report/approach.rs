@@ -19,14 +19,14 @@ use simdop::query::Query;
 /// One value for each distance.
 pub(super) type PerDistance<T> = [T; DISTANCES.len()];
 
-/// Their names, as in the benchmarks, nearest first.
+/// The names of the distances, as in the benchmarks, nearest first.
 pub(super) const DISTANCES: [&str; 4] = ["1 % deep", "0 %", "1 %", "5 %"];
 /// Gaps between the bodies at all but the first distance. A gap of exactly zero is not attainable.
 const GAPS: [f64; 3] = [2e-5, 0.01, 0.05];
-/// How far A moves on from the smallest gap, at the first distance.
+/// How far beyond the smallest gap A moves for the first distance.
 const DEPTH: f64 = 0.01;
 
-/// Positions along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough
+/// Positions along a line are multiples of this fraction of the diagonal: 0.3 % of the smallest gap, and coarse enough
 /// that a pose does not depend on the last bits of a distance.
 const STEP: f64 = 1.0 / (1 << 24) as f64;
 /// Maximum number of steps of an approach. More are needed only if the bodies slide along each other.

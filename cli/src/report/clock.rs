@@ -4,11 +4,11 @@ use super::approach::PerDistance;
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
-/// Every entrant gets each block of poses this many times; the minimum for each pose counts.
+/// Every entrant runs each block of poses this many times; the minimum for each pose counts.
 pub(super) const ROUNDS: usize = 5;
 
-/// Poses that an entrant gets in a row before the next entrant's turn, as in `benches/peers`: a planner queries one
-/// tree many times, and no pose is repeated before its block is over.
+/// Number of poses that an entrant runs in a row before the next entrant's turn, as in `benches/peers`: a planner
+/// queries one tree many times, and no pose is repeated before its block is over.
 const BLOCK: usize = 10;
 
 /// The resolution of clocks: shorter times count as this.
@@ -57,7 +57,7 @@ pub(super) fn in_turns(
 impl Times {
     fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
-        // Nearest rank: the smallest time that is not below the given share of all times.
+        // Nearest rank: the smallest time that is not below the given percentage of all times.
         let at = |percent: usize| {
             let rank = (times.len() * percent).div_ceil(100).saturating_sub(1);
             times.get(rank).map_or(0.0, |time| 1e6 * time.as_secs_f64())

@@ -20,9 +20,9 @@ const ERRORS: [f64; 3] = [0.05, 0.02, 0.01];
 pub(super) struct CoveredBodies {
     /// Maximum distance of the spheres' points from the mesh, in its unit.
     pub(super) error: f64,
-    /// Of all bodies.
+    /// Number of spheres of all bodies.
     pub(super) spheres: usize,
-    /// Of the trees.
+    /// Bytes of all trees.
     pub(super) bytes: usize,
     /// The time to compute the spheres and build their trees.
     pub(super) build_milliseconds: f64,

@@ -3,20 +3,20 @@
 /// The costs of a setting; less is better.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(super) struct Cost {
-    /// Of a query, in microseconds.
+    /// Time of a query, in microseconds.
     pub(super) time: f64,
-    /// The maximum, in the mesh's unit.
+    /// Maximum overestimate, in the mesh's unit.
     pub(super) overestimate: f64,
-    /// Of all trees.
+    /// Bytes of all trees.
     pub(super) bytes: usize,
 }
 
 /// Limits on the costs.
 #[derive(Copy, Clone, PartialEq, Debug, Default)]
 pub(super) struct Budget {
-    /// In the mesh's unit.
+    /// Limit on the overestimate, in the mesh's unit.
     pub(super) error: Option<f64>,
-    /// In bytes.
+    /// Limit on the bytes.
     pub(super) flash: Option<u64>,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Budget {
 pub(super) const SAME_TIME: f64 = 1.05;
 
 impl Cost {
-    /// Whether it is better in some cost and worse in none.
+    /// Whether this is better in some cost and worse in none.
     fn dominates(&self, other: &Self) -> bool {
         self.time <= other.time
             && self.overestimate <= other.overestimate

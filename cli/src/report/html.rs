@@ -1,4 +1,4 @@
-//! Words of the page.
+//! Text for the page.
 
 /// The name of a peer in the plots.
 pub(super) fn letter(index: usize) -> String {

@@ -44,7 +44,7 @@ use volumes::{Overestimate, Volumes, meetings};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The mesh that approaches, or a tree: then the mesh that it was built from. Without it: the built-in scene.
+    /// The mesh that approaches, or a tree, for the mesh that it was built from. Without it: the built-in scene.
     a: Option<File>,
     /// The mesh that stands still. Without it: the same mesh.
     b: Option<File>,
@@ -138,7 +138,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     output::replace([(&*options.output, page.as_bytes()), (&*csv, &results.csv())])?;
     let files = [&*options.output, &*csv];
     if files.into_iter().any(output::is_standard_output) {
-        // The standard output holds a file, and nothing else.
+        // The standard output must hold the file and nothing else.
         let _ = results.print(&digest, files, options.json, &mut std::io::stderr().lock());
         return Ok(());
     }

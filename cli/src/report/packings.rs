@@ -1,5 +1,5 @@
-//! Packings of the meshes, by their number of spheres: the share of the volume that they leave uncovered, against the
-//! time to compute the shared volume of two.
+//! Packings of the meshes, by their number of spheres: the fraction of the volume that they leave uncovered, against
+//! the time to compute the shared volume of two packings.
 
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::{self, Times};
@@ -20,9 +20,9 @@ use simdop::query::Query;
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct Packed {
     pub(super) spheres: usize,
-    /// The share of the meshes' volume that no sphere covers.
+    /// The fraction of the meshes' volume that no sphere covers.
     pub(super) volume_error: f64,
-    /// Of the trees.
+    /// Bytes of the trees.
     pub(super) bytes: usize,
     pub(super) at: PerDistance<PackedAt>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Packed {
 /// Results at one distance.
 #[derive(Copy, Clone, PartialEq, Default, Debug, Serialize)]
 pub(super) struct PackedAt {
-    /// Pairs of spheres that meet, mean over the poses.
+    /// Mean number of pairs of spheres that meet, over the poses.
     pub(super) pairs: f64,
     pub(super) visits: f64,
     pub(super) median_microseconds: f64,

@@ -21,7 +21,7 @@ const STYLE: &str = include_str!("page.css");
 /// The distances, in words.
 pub(super) const TITLES: PerDistance<&str> = ["1 % deep", "0 %: almost touching", "1 % apart", "5 % apart"];
 
-/// A quantity that settings are plotted against: label of the axis, label of the table, and its value at a distance.
+/// A quantity to plot: label of the axis, label of the table, and its value at a distance.
 type Quantity = (&'static str, &'static str, fn(&Measured, usize) -> f64);
 
 const QUANTITIES: [Quantity; 5] = [
@@ -31,11 +31,11 @@ const QUANTITIES: [Quantity; 5] = [
     (BYTES, "bytes a triangle", |one, _| one.bytes_per_triangle),
     (BUILD, "build, ms", |one, _| one.build_milliseconds),
 ];
-/// Peers have this quantity, too.
+/// A quantity that peers have, too.
 const BYTES: &str = "Bytes a triangle";
 const BUILD: &str = "Build time";
 
-/// The whole file.
+/// The complete file.
 pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     let names: Vec<&str> = results.subjects.iter().map(|subject| subject.name.as_str()).collect();
     let title = format!("simdop report: {}", names.join(" against "));

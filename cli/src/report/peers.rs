@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use simdop::mesh_io::FileError;
 use std::path::Path;
 
-/// The fields used of a line. The file has more.
+/// The fields of a line that are used. The file has more.
 #[derive(Deserialize)]
 struct Line {
     mesh: String,

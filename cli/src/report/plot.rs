@@ -7,7 +7,7 @@ use plotters::coord::Shift;
 use plotters::coord::combinators::BindKeyPoints;
 use plotters::prelude::*;
 
-/// Of a row, in displayed pixels.
+/// Width of a row, in displayed pixels.
 pub(super) const WIDTH: u32 = 1200;
 pub(super) const HEIGHT: u32 = 300;
 const SCALE: u32 = 2;
@@ -49,7 +49,7 @@ pub(super) struct Mark {
     /// Index into [`COLOURS`].
     pub(super) colour: usize,
     pub(super) shape: Shape,
-    /// In displayed pixels.
+    /// Radius in displayed pixels.
     pub(super) radius: u32,
     pub(super) is_filled: bool,
     pub(super) rank: Rank,
@@ -80,7 +80,7 @@ fn text(pixels: u32) -> (&'static str, f64) {
     ("sans-serif", 1.24 * f64::from(SCALE * pixels))
 }
 
-/// In pixels of the drawing.
+/// A rectangle in pixels of the drawing.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 struct Rectangle {
     left: i32,
@@ -104,7 +104,7 @@ impl Rectangle {
     }
 }
 
-/// Of a labelled point.
+/// Radius of the dot of a labelled point.
 const DOT: u32 = SCALE * 3;
 
 fn dot((x, y): (i32, i32)) -> Rectangle {
@@ -228,7 +228,7 @@ fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
     }
 }
 
-/// Corners of any shape but a disc, with the first repeated at the end.
+/// Corners of any shape except a disc, with the first repeated at the end.
 fn corners(shape: Shape, r: i32) -> Vec<(i32, i32)> {
     match shape {
         Shape::Lozenge => {
@@ -314,7 +314,7 @@ impl Axis {
         if !(0.000_99..1e5).contains(&tick) {
             return format!("{tick:.1e}").replace(".0e", "e");
         }
-        // Hides rounding errors of powers of ten.
+        // Hides rounding errors in powers of ten.
         let text = format!("{tick:.4}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     }

@@ -18,7 +18,7 @@ pub(super) struct Measured {
     pub(super) bytes: usize,
     pub(super) bytes_per_triangle: f64,
     pub(super) build_milliseconds: f64,
-    /// In the mesh's unit.
+    /// Mean overestimate, in the mesh's unit.
     pub(super) overestimate_mean: f64,
     pub(super) overestimate_greatest: f64,
     pub(super) at: PerDistance<MeasuredAt>,
@@ -33,7 +33,7 @@ pub(super) struct MeasuredAt {
     /// Poses at which the bodies meet.
     pub(super) hits: usize,
     pub(super) false_positives: f64,
-    /// Pairs of leaves whose k-DOPs meet.
+    /// Number of pairs of leaves whose k-DOPs meet.
     pub(super) leaf_pairs: f64,
     pub(super) visits: f64,
     pub(super) triangle_pairs: f64,
@@ -50,7 +50,7 @@ fn as_text<S: Serializer>(setting: &Setting, serializer: S) -> Result<S::Ok, S::
 pub(super) struct Subject {
     pub(super) name: String,
     pub(super) triangles: usize,
-    /// Of its box, in its unit.
+    /// Diagonal of its box, in its unit.
     pub(super) diagonal: f64,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Results {
     /// One body, tested against itself, or two.
     pub(super) subjects: Vec<Subject>,
     pub(super) isa: &'static str,
-    /// At each distance.
+    /// Number of poses at each distance.
     pub(super) poses: usize,
     pub(super) seed: u64,
     pub(super) budget: Budget,
@@ -96,7 +96,7 @@ struct Line<'r> {
     triangle_pairs: Option<f64>,
     sphere_pairs: Option<f64>,
     visits: Option<f64>,
-    // The rest varies between runs.
+    // The fields from here on vary between runs.
     build_ms: Option<f64>,
     median_us: Option<f64>,
     p99_us: Option<f64>,
@@ -177,7 +177,7 @@ impl<'r> Line<'r> {
         }
     }
 
-    /// Without the fields that vary between runs.
+    /// The line without the fields that vary between runs.
     fn repeatable(self) -> Self {
         Self { build_ms: None, median_us: None, p99_us: None, is_on_front: None, ..self }
     }
@@ -215,8 +215,7 @@ impl Results {
         format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
     }
 
-    /// A sentence about the recommended setting, and another about covers if there is a limit on the error that one
-    /// meets.
+    /// A sentence about the recommended setting, and another about covers if one meets a given limit on the error.
     pub(super) fn recommendation(&self) -> String {
         let exact = self.recommended_setting();
         let Some(most) = self.budget.error else { return exact };
@@ -269,7 +268,7 @@ impl Results {
 }
 
 impl Results {
-    /// Prints the results for a person or a program. Only the settings on the front; the files have all.
+    /// Prints the results for a person or a program: only the settings on the front, since the files have all.
     pub(super) fn print(
         &self,
         digest: &str,
@@ -361,7 +360,7 @@ fn written<'r>(lines: impl Iterator<Item = Line<'r>>) -> Vec<u8> {
     writer.into_inner().unwrap_or_default()
 }
 
-/// Three significant digits.
+/// A number with three significant digits.
 pub(super) fn short(x: f64) -> String {
     let magnitude = x.abs();
     if x == 0.0 {

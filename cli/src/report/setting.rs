@@ -89,7 +89,7 @@ impl Setting {
         }
     }
 
-    /// In the form of `simdop build`'s options.
+    /// The setting in the form of `simdop build`'s options.
     pub(super) fn arguments(&self) -> String {
         let Self { node: NodeType { k, arity, .. }, leaf_size, has_normal_slabs, .. } = self;
         let (storage, splitter) = (self.storage_name(), self.splitter_name());

@@ -1,14 +1,14 @@
-//! How loosely the volumes of a tree bound its triangles: counted and measured, not timed.
+//! How loosely the volumes of a tree bound its triangles, in counts and lengths, not times.
 //!
 //! **False positives**, at a pose: the pairs of a leaf of A and a leaf of B whose k-DOPs meet although no triangle of
 //! one meets a triangle of the other. A's k-DOPs are realigned to B's frame as in a query ([`simdop::realign`]), so
-//! that both have the same directions; triangles are decided exactly. This covers all pairs of leaves, not only those
-//! that a query visits before its first hit. Further tests of a query, such as normal slabs, are not included: they
-//! show in the query statistics.
+//! that both have the same directions; triangle tests are exact. This covers all pairs of leaves, not only those that a
+//! query visits before its first hit. Further tests of a query, such as normal slabs, are not included: the query
+//! statistics show them.
 //!
 //! **Overestimate**, of a leaf in a unit direction u, a length: the leaf's support along u as bounded by realignment
 //! (the sum of weights times three of its planes), minus the support of its triangles. This is the gap between volume
-//! and triangles after a rotation that takes u to a direction of the other body. Mean and maximum are over all leaves
+//! and triangles after a rotation that maps u to a direction of the other body. Mean and maximum are over all leaves
 //! and over [`directions`] that favour no k. It is never negative, and includes the loss from 16-bit planes.
 
 use simdop::hierarchy::{AnyBvh, BvhRef, Lane};
@@ -63,7 +63,7 @@ impl Overestimate {
     }
 }
 
-/// One side of a pair that is still to be visited.
+/// One side of a pair that is pending.
 #[derive(Copy, Clone, Debug)]
 enum Side {
     Node(usize),
@@ -141,7 +141,7 @@ impl Volumes {
         }
     }
 
-    /// Adds the overestimates of its leaves.
+    /// Adds the overestimates of the leaves.
     pub(super) fn measure(&self, overestimate: &mut Overestimate) {
         let Frame { centre, exponent } = self.extent.frame;
         let directions = directions();
@@ -197,7 +197,7 @@ fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
     core::array::from_fn(|l| (usize::from(found.directions[l]), found.weights[l]))
 }
 
-/// Realigns the planes of one k-DOP: to the complement of the opposite plane in the other frame, ready for the compare.
+/// Realigns the planes of one k-DOP: to the complement of the opposite plane in the other frame, ready for comparison.
 type Turn = Box<dyn Fn(&[i16], &mut [i16])>;
 
 fn turn<const K: usize, S: Storage>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {

@@ -1,4 +1,4 @@
-//! Does the robot meet anything on its way? Straight motions of problems, certified and sampled.
+//! Checks straight motions of problems for hits, certified and sampled.
 
 use super::problems::Problem;
 use super::timing::{mean, median, timed};
@@ -9,7 +9,7 @@ use simdop::planning::{PlanningError, RobotModel};
 use simdop::scene::MotionVerdict;
 use std::io::Write;
 
-/// Maximum length of random motions in the joints: a typical step of a planner's tree.
+/// Maximum length of random motions in joint space: a typical step of a planner's tree.
 const LONGEST: f64 = 1.0;
 
 #[derive(Default)]
@@ -30,7 +30,7 @@ struct Outcomes {
     sampled: Times,
 }
 
-/// Microseconds of each motion.
+/// Microseconds for each motion.
 #[derive(Default)]
 struct Times {
     all: Vec<f64>,
@@ -53,7 +53,7 @@ impl Times {
     }
 }
 
-/// Microseconds for a motion. Free ones and hits are those of the certified verdict.
+/// Microseconds for a motion. Free motions and hits are classified by the certified verdict.
 #[derive(Serialize)]
 struct TimesReport {
     median: f64,

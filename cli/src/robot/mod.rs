@@ -1,9 +1,9 @@
 //! `simdop robot`.
 
 mod edges;
-mod fates;
 mod model;
 mod options;
+mod pair_classes;
 mod plans;
 mod problems;
 mod timing;
@@ -17,8 +17,8 @@ use crate::error::Error;
 use crate::random::Random;
 use crate::{output, progress};
 use edges::{EdgeReport, Edges};
-use fates::FatesReport;
 use model::moving_pairs;
+use pair_classes::ClassesReport;
 use plans::{Plans, PlansReport};
 use problems::Problem;
 use serde::Serialize;
@@ -38,19 +38,19 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     problems: Option<ProblemsReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pairs: Option<FatesReport>,
+    pairs: Option<ClassesReport>,
 }
 
 #[derive(Serialize)]
 struct RobotReport {
     name: String,
     bodies: Vec<BodyReport>,
-    /// Those that are not fixed and mimic no other.
+    /// The joints that are not fixed and mimic no other.
     joints: Vec<JointReport>,
     joints_that_follow: usize,
     pairs_asked: usize,
     pairs_ruled_out: usize,
-    /// Of the trees of all bodies.
+    /// Bytes of the trees of all bodies.
     bytes: usize,
 }
 
@@ -59,11 +59,11 @@ struct BodyReport {
     name: String,
     /// The kind of a shape, or of a mesh: a solid or a surface.
     shape: &'static str,
-    /// Zero of a shape, and so are the bytes.
+    /// Zero for a shape, as are the bytes.
     triangles: usize,
     bytes: usize,
     caps: Option<CapsReport>,
-    /// The width of the widest hole of a surface, unless it has too many.
+    /// The width of the widest hole of a surface, unless it has too many holes.
     widest_hole: Option<f64>,
 }
 
@@ -82,7 +82,7 @@ struct ProblemsReport {
     plans: Option<PlansReport>,
 }
 
-/// Boxes for a pair of the built-in arm.
+/// Maximum number of boxes for a pair of the built-in arm.
 const BUILT_IN_BOXES: u32 = 20_000;
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
@@ -110,7 +110,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         .map_err(Error::Planning)?;
     let pairs = options.pairs.or(is_built_in.then_some(BUILT_IN_BOXES));
     let pairs = pairs
-        .map(|boxes| fates::ask(&model, query, boxes as usize, options.json))
+        .map(|boxes| pair_classes::ask(&model, query, boxes as usize, options.json))
         .transpose()
         .map_err(Error::Planning)?;
     if let (Some(path), Some(pairs)) = (&options.write_srdf, &pairs) {

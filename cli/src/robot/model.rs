@@ -1,4 +1,4 @@
-//! The robot that is given, or the built-in arm.
+//! The given robot, or the built-in arm.
 
 use super::options::Options;
 use crate::body::CapsReport;
@@ -40,7 +40,7 @@ pub(super) fn moving_pairs(model: &RobotModel) -> Vec<(usize, usize)> {
     model.robot().pairs(&[]).unwrap_or_default()
 }
 
-/// Whether there is a joint of this name, fixed and mimicking ones included.
+/// Whether there is a joint of this name, including fixed joints and those that mimic another.
 pub(super) fn has_joint(model: &RobotModel, name: &str) -> bool {
     let mut parents = model.robot().links.iter().filter_map(|link| link.parent.as_ref());
     parents.any(|parent| parent.joint == name)

@@ -1,4 +1,4 @@
-//! What can be chosen.
+//! The options.
 
 use crate::{File, isa};
 use clap::{Args, ValueEnum};
@@ -13,12 +13,12 @@ pub(crate) struct Options {
     /// included.
     #[arg(long, value_name = "FILE", requires = "urdf")]
     pub(super) srdf: Option<File>,
-    /// Which shapes of a link are its bodies: exactly what the URDF says, without an error. Closed meshes become solids,
-    /// others surfaces.
+    /// Which shapes of a link are its bodies. They are exactly those of the URDF, not approximations. Closed meshes
+    /// become solids, others surfaces.
     #[arg(long, value_enum, default_value = "collision")]
     pub(super) shapes: ShapesName,
-    /// Cap the holes of meshes that have none wider than this, so that they become solids, too: the greatest distance
-    /// of two corners of a hole's border, in the robot's unit.
+    /// Make solids, too, of meshes whose holes are all at most this wide, by capping the holes. The width of a hole is
+    /// the greatest distance between two corners of its border, in the robot's unit.
     #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
     pub(super) cap: Option<f64>,
     /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are
@@ -30,10 +30,10 @@ pub(crate) struct Options {
     #[arg(long, value_name = "BOXES", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) pairs: Option<u32>,
     /// Write an SRDF file with the pairs of links that --pairs finds to meet never or always, and those that a joint
-    /// connects. All others are tested by who reads it.
+    /// connects. Planners that read it test all other pairs.
     #[arg(long, value_name = "FILE", requires = "pairs")]
     pub(super) write_srdf: Option<std::path::PathBuf>,
-    /// Random motions of each problem, in addition to those from its start to its goals [default: 10].
+    /// Random motions for each problem, in addition to those from its start to its goals [default: 10].
     #[arg(long, value_name = "COUNT")]
     pub(super) edges: Option<u32>,
     /// Plan a path from the start of each problem to one of its goals: RRT-Connect on certified motions.

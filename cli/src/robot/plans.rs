@@ -15,7 +15,7 @@ pub(super) struct Plans(Vec<PlanReport>);
 pub(super) struct PlansReport {
     problems: usize,
     solved: usize,
-    /// Of the solved ones.
+    /// Median over the solved problems.
     median_milliseconds: f64,
     p95_milliseconds: f64,
     mean_length: f64,
@@ -26,10 +26,10 @@ pub(super) struct PlansReport {
 struct PlanReport {
     problem: usize,
     milliseconds: f64,
-    /// Motions that were checked.
+    /// Number of motions that were checked.
     motions: u32,
     length: f64,
-    /// The configurations of the path; none without one.
+    /// The configurations of the path; none if no path was found.
     path: Vec<Vec<f64>>,
 }
 

@@ -101,7 +101,7 @@ fn parse(line: &str, model: &RobotModel) -> Result<Problem, String> {
         let at = at.map_err(|error| fault(error.to_string()))?;
         Ok(Obstacle { name: placed.id, shape, at })
     };
-    // Joints that the start does not name are at zero, or at the limit nearest to it; those that a goal does not name
+    // Joints that the start does not name are at zero, or at the limit nearest to zero; those that a goal does not name
     // are at the start's value.
     let rest: Vec<f64> =
         model.robot().limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();

@@ -9,7 +9,7 @@ use simdop::planning::{PlanningError, RobotModel};
 use std::collections::BTreeMap;
 use std::io::Write;
 
-/// Random configurations of a problem.
+/// Number of random configurations of a problem.
 const RANDOM: usize = 10;
 /// Maximum number of pairs in the table.
 const ROWS: usize = 10;
@@ -26,7 +26,7 @@ pub(super) struct Validity {
 struct Row {
     problem: usize,
     kind: &'static str,
-    /// Of the robot's variables.
+    /// Values of the robot's variables.
     values: Vec<f64>,
     valid: bool,
     /// The first two bodies that were found to meet.

@@ -8,7 +8,7 @@ use simdop::query::Query;
 use simdop::scene::{Body, MotionAnswer, SceneHit};
 use std::sync::Arc;
 
-/// Samples per unit of length in the joints: as many as the planner VAMP takes.
+/// Samples per unit of length in joint space: as many as the planner VAMP takes.
 const SAMPLES: f64 = 32.0;
 
 pub(super) struct World {
@@ -29,7 +29,7 @@ impl World {
         Ok(Self { workspace: scene.workspace(), scene })
     }
 
-    /// Two bodies that meet at these values, if any do. Includes placing them.
+    /// Two bodies that meet at these values, if any do. Places the bodies first.
     pub(super) fn hit_at(&mut self, values: &[f64]) -> Result<Option<SceneHit>, PlanningError> {
         Ok(self.scene.collide(&mut self.workspace, values)?.hit())
     }

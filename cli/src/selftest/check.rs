@@ -20,7 +20,7 @@ pub(super) enum Wrong {
 }
 
 /// The kinds of errors in the answers of all instruction sets to one query, each once, with the first instruction set
-/// that shows it. `is_pair` tells whether two primitives may be the witness of a hit.
+/// that shows it. `is_pair` says whether two primitives may be the witness of a hit.
 pub(super) fn verdicts(
     truth: Truth,
     answers: &[(Isa, Answer)],
@@ -37,7 +37,7 @@ pub(super) fn verdicts(
     first_of_each(wrong.chain(unequal(answers)))
 }
 
-/// The same for all pairs that meet.
+/// The errors in the lists of all pairs that meet.
 pub(super) fn all_pairs(truth: &BTreeSet<(u32, u32)>, answers: &[(Isa, AllPairs)]) -> Vec<(Wrong, Isa)> {
     let of_one = |isa: Isa, found: &BTreeSet<(u32, u32)>| {
         let missed = (!truth.is_subset(found)).then_some((Wrong::Missed, isa));

@@ -35,17 +35,17 @@ impl Draw {
         word
     }
 
-    /// Uniform in `0..n`.
+    /// A number uniform in `0..n`.
     pub(super) fn below(&mut self, n: usize) -> usize {
         ((u128::from(self.word()) * n as u128) >> 64) as usize
     }
 
-    /// Uniform in `low..=high`.
+    /// A number uniform in `low..=high`.
     pub(super) fn int(&mut self, low: i32, high: i32) -> i32 {
         low + self.below((high - low) as usize + 1) as i32
     }
 
-    /// Uniform in `[0, 1)`.
+    /// A number uniform in `[0, 1)`.
     pub(super) fn unit(&mut self) -> f64 {
         (self.word() >> 11) as f64 * f64::EPSILON * 0.5
     }
@@ -62,7 +62,7 @@ impl Draw {
         self.below(2) == 0
     }
 
-    /// From 2^low to twice 2^high, with an approximately uniform exponent.
+    /// A number from 2^low to twice 2^high, with an approximately uniform exponent.
     pub(super) fn size(&mut self, low: i32, high: i32) -> f64 {
         (1.0 + self.unit()) * power_of_two(self.int(low, high))
     }
@@ -73,7 +73,7 @@ impl Draw {
         if self.is_heads() { size } else { -size }
     }
 
-    /// One unit in the last place up, down, or unchanged.
+    /// The number one unit in the last place up or down, or unchanged.
     pub(super) fn nudged(&mut self, x: f64) -> f64 {
         match self.below(3) {
             0 => x.next_up(),
@@ -128,19 +128,19 @@ impl Draw {
         turn
     }
 
-    /// Rounded to the body's precision.
+    /// The point rounded to the body's precision.
     pub(super) fn rounded(&self, p: Point) -> Point {
         if self.is_single { p.map(|x| f64::from(x as f32)) } else { p }
     }
 
-    /// Rotated, moved, and rounded to the body's precision.
+    /// The triangles rotated, moved, and rounded to the body's precision.
     pub(super) fn placed(&self, triangles: &[Triangle], turn: &Turn, shift: &Point) -> Vec<Triangle> {
         let place = |p| self.rounded(add(&turned(turn, &p), shift));
         triangles.iter().map(|t| t.map(place)).collect()
     }
 }
 
-/// For exponents of normal numbers.
+/// A power of two, for exponents of normal numbers.
 pub(super) const fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }

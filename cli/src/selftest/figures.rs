@@ -11,7 +11,7 @@ use simdop::range::Point;
 fn ball(levels: u32) -> Vec<Triangle> {
     let mut faces: Vec<Triangle> = Vec::new();
     for (x, y, z) in [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, -1.0, -1.0)] {
-        // Each of these, and its reflection through the origin with reversed orientation.
+        // Each face, and its reflection through the origin with reversed orientation.
         let face = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
         let [p, q, r] = face.map(|p| p.map(|c: f64| if c == 0.0 { c } else { -c }));
         faces.extend([face, [q, p, r]]);
@@ -30,7 +30,7 @@ fn ball(levels: u32) -> Vec<Triangle> {
     faces
 }
 
-/// A closed body about the origin with hills, of radius about 1: its corners are moved along the lines to the origin.
+/// A closed body about the origin with hills, of radius about 1: its corners move along the lines to the origin.
 pub(super) fn blob(draw: &mut Draw) -> Vec<Triangle> {
     let levels = draw.pick(&[0, 1, 1, 1, 2]);
     let waves: [(Point, f64); 3] =
@@ -133,8 +133,8 @@ pub(super) fn corner_on_point(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn
     matrix(turn, &add(&minus(&point, &end), &scaled(&direction, gap)))
 }
 
-/// In contact one way or another: the bodies touch up to rounding, are slightly apart, or slightly overlap. `size` is
-/// approximately that of the smaller body.
+/// A pose in or near contact: the bodies touch up to rounding, are slightly apart, or slightly overlap. `size` is
+/// approximately the size of the smaller body.
 pub(super) fn in_contact(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn, size: f64) -> Matrix {
     let gap = match draw.below(4) {
         0 => 0.0,

@@ -2,8 +2,8 @@
 //! the library.
 //!
 //! A *trial* is two bodies, built in one of the formats, and up to 64 poses. Each pose is a *pair*: the [`oracle`]
-//! decides it, and every available instruction set is queried. The input of a trial depends only on the seed, the case
-//! and the number of the trial, so that a run of one case reproduces its part of a run of all cases.
+//! decides it, and queries run on every available instruction set. The input of a trial depends only on the seed, the
+//! case and the number of the trial, so that a run of one case reproduces its part of a run of all cases.
 
 mod cases;
 mod check;
@@ -141,7 +141,7 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
     Ok(())
 }
 
-/// For one in this many poses, all pairs of triangles are enumerated, too.
+/// For one in this many poses, the test also enumerates all pairs of triangles.
 const POSES_FOR_ALL_PAIRS: usize = 8;
 
 /// Runs the queries of a trial and compares them with the oracle.
@@ -267,8 +267,8 @@ mod tests {
     use simdop::query::{Hint, Pair};
     use trees::AllPairs;
 
-    /// Bodies that answer right, but for sizes other than the oracle's: stands for a library that misses collisions, or
-    /// invents them.
+    /// Bodies that answer correctly, but for other sizes than the oracle's: stand for a library that misses collisions
+    /// or invents them.
     struct Resized {
         a: Figure,
         b: Figure,

@@ -16,7 +16,7 @@ pub(super) struct Neighbourhood {
     radius: f32,
 }
 
-/// Points in a cloud, and so queries.
+/// Number of points in a cloud, and of queries.
 const POINTS: usize = 256;
 
 /// Uniform in a cube, with about ten neighbours each.
@@ -85,7 +85,7 @@ impl Neighbourhood {
                 answers.iter().map(|(isa, lists)| (*isa, lists[query].as_slice())).collect();
             let mut wrong = differences(&near, &each);
             if query == 0 {
-                // The statistics are those of all points.
+                // The statistics cover all points.
                 wrong.extend(unequal(&stats));
             }
             let first = each.first().map_or(&[][..], |(_, found)| found);

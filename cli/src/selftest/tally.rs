@@ -20,17 +20,17 @@ pub(super) struct CaseReport {
     /// Tree formats that occurred. Clouds have one format, which is not counted.
     formats: usize,
     hits: u64,
-    /// Summed over all instruction sets.
+    /// Missed hits, summed over all instruction sets.
     missed: u64,
     invented: u64,
     /// Pairs for which instruction sets differ.
     unequal: u64,
     /// Pairs whose exact answer changes one unit in the last place away.
     knife_edge: u64,
-    /// Of the strongest instruction set; all agree.
+    /// Number for the strongest instruction set; all agree.
     exact_pairs: u64,
     median_nanoseconds: u64,
-    /// The median relative to that of the benign case, if that was run.
+    /// The median time relative to the benign case's, if that was run.
     times_benign: Option<f64>,
     /// Digest of all answers and query statistics: the same on every machine.
     digest: String,
@@ -52,7 +52,7 @@ struct WrongAnswer {
     repeat: String,
 }
 
-/// One query, and how its answers compare with the truth.
+/// One query, and the comparison of its answers with the truth.
 pub(super) struct Asked<'t> {
     pub(super) trial: u64,
     pub(super) place: usize,
@@ -69,7 +69,7 @@ pub(super) struct Tally<'t> {
     seed: u64,
     report: CaseReport,
     times: Vec<u64>,
-    /// By their names.
+    /// The formats, by name.
     formats: BTreeSet<String>,
     digest: u64,
     /// Called for each pair.
@@ -77,7 +77,7 @@ pub(super) struct Tally<'t> {
 }
 
 impl<'t> Tally<'t> {
-    /// For a case, by its name and that of its benign one.
+    /// Starts a case, given its name and the name of its benign case.
     pub(super) fn new([case, benign]: [&'static str; 2], seed: u64, progress: &'t dyn Fn()) -> Self {
         let report = CaseReport {
             case,
@@ -167,7 +167,7 @@ impl CaseReport {
         self.wrong_answers() == [0; 3]
     }
 
-    /// Missed, invented, unequal.
+    /// Numbers of missed, invented and unequal answers.
     pub(super) const fn wrong_answers(&self) -> [u64; 3] {
         [self.missed, self.invented, self.unequal]
     }
@@ -219,12 +219,12 @@ impl CaseReport {
         Ok(())
     }
 
-    /// Pairs, hits, knife-edge pairs, and pairs of triangles or spheres that needed exact arithmetic.
+    /// Numbers of pairs, hits, knife-edge pairs, and pairs of triangles or spheres that needed exact arithmetic.
     pub(super) const fn sums(&self) -> [u64; 4] {
         [self.pairs, self.hits, self.knife_edge, self.exact_pairs]
     }
 
-    /// Of several cases.
+    /// The digest of several cases.
     pub(super) fn joint_digest(reports: &[Self]) -> String {
         let digest = reports
             .iter()

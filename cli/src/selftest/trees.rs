@@ -44,8 +44,8 @@ impl TreeFormat {
         point, or in half floats for k of 14, 18 or 26 at arity 16, vertices in f32 or f64, up to 1, 2 or 16 \
         primitives a leaf, with normal slabs or without, split by mean width or extended longest axis";
 
-    /// Consecutive trials get different formats until all have occurred. The factor is coprime to their number and
-    /// mixes them, so that a few trials cover some of everything.
+    /// Consecutive trials get different formats until all have occurred. The factor is coprime to the number of formats
+    /// and mixes them, so that a few trials cover all options.
     pub(super) fn of(trial: u64) -> Self {
         let mut left = (trial % FORMATS * 97 % FORMATS) as usize;
         let mut digit = |base: usize| {
@@ -74,7 +74,7 @@ impl TreeFormat {
         let one: Vec<[f64; 3]> = figure.triangles().flatten().copied().collect();
         let corners = one.len() as u32 / 3;
         let each = (0..corners).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
-        // Copies have the corners of the first.
+        // Copies share the corners of the first.
         let triangles: Vec<[u32; 3]> = (0..figure.copies).flat_map(|_| each.clone()).collect();
         self.build(&Mesh { vertices: &one, triangles: &triangles }, figure)
     }
@@ -166,7 +166,7 @@ mod tests {
         };
         assert_eq!(names(0..FORMATS).len() as u64, FORMATS);
         assert_eq!(names(0..FORMATS), names(FORMATS..2 * FORMATS));
-        // As many trials as node types have all of them.
+        // As many consecutive trials as there are node types include all of them.
         let nodes: BTreeSet<_> =
             (0..NODES.len() as u64).map(|i| TreeFormat::of(i).node.to_string()).collect();
         assert_eq!(nodes.len(), NODES.len());

@@ -1,8 +1,8 @@
-//! What is judged and asked together.
+//! The unit of work of the self-test.
 
 use super::oracle::{Figure, Matrix};
 
-/// Poses of a trial, at most.
+/// Maximum number of poses of a trial.
 pub(super) const POSES: usize = 64;
 
 /// Two bodies, and the poses that A is placed at in the frame of B.

@@ -37,6 +37,20 @@ fn the_depth_of_cubes_is_their_overlap() {
     assert!((pose["upper"].as_f64().unwrap() - 0.25).abs() < 1e-9, "{packed}");
     assert!(pose["lower"].as_f64().unwrap() > 0.24, "{packed}");
 
+    // So do packings in the trees.
+    for name in ["a", "b"] {
+        let (mesh, tree) = (format!("{name}.obj"), format!("{name}.packed"));
+        assert_eq!(folder.fate(&["build", &mesh, "--solid", "--pack", "20", "-o", &tree]).0, 0);
+        let info = folder.json(&["info", &tree, "--verify"]);
+        assert_eq!((&info["spheres"], &info["verified"]), (&20.into(), &true.into()), "{info}");
+    }
+    let within = folder.json(&["depth", "a.packed", "b.packed", "--pose", SUNK]);
+    for bound in ["lower", "upper", "translation", "visits"] {
+        assert_eq!(within["poses"][0][bound], packed["poses"][0][bound], "{within}");
+    }
+    let (code, message) = folder.fate(&["build", "a.obj", "--pack", "20", "-o", "a.packed"]);
+    assert_eq!((code, message.contains("--pack")), (2, true), "{message}");
+
     let output = folder.run(&["depth", "a.obj", "b.obj", "--translate", "9 0 0"]);
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.contains("     0   0.00000e0   0.00000e0") || table.contains("0.00000e0"), "{table}");

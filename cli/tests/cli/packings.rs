@@ -174,6 +174,16 @@ fn a_cover_is_within_what_is_asked_for() {
         };
         assert!(spheres.iter().any(is_held), "{p:?}");
     }
+    // The command says if a cover is larger than the exact tree.
+    folder.run(&["build", "a.obj", "-o", "exact.tree"]);
+    let exact = std::fs::read(folder.0.join("exact.tree")).unwrap().len() as u64;
+    let mesh_bytes = by_error["mesh_bytes"].as_u64().unwrap();
+    assert!(mesh_bytes.abs_diff(exact) < exact / 4, "{mesh_bytes} {exact}");
+    let is_told = |error: &str| {
+        let output = folder.run(&["cover", "a.obj", "--error", error, "-o", "a.txt"]).stdout;
+        String::from_utf8(output).unwrap().contains("choose a larger error")
+    };
+    assert!(is_told("0.1") && by_error["bytes"].as_u64() > Some(mesh_bytes) && !is_told("10"));
     let error = |report: &Value| report["error"].as_f64().unwrap();
     let few = folder.json(&["cover", "a.obj", "--spheres", "40", "-o", "a.txt"]);
     assert!((20..=40).contains(&few["spheres"].as_u64().unwrap()) && error(&few) > 0.1, "{few}");

@@ -316,7 +316,7 @@ m,129,128,0 %,Another,1,70,5
     );
 }
 
-/// A tree in the place of a mesh, beside a mesh.
+/// A tree in place of a mesh, beside a mesh.
 #[test]
 fn trees_are_taken_for_their_meshes() {
     let folder = Folder::new("report_trees");

@@ -70,11 +70,11 @@ fn the_built_in_arm_needs_no_file() {
     }
 
     let pairs = &report["pairs"];
-    assert_eq!((sum(&pairs["fates"], "asked"), sum(&pairs["fates"], "ruled_out")), (asked, ruled_out));
+    assert_eq!((sum(&pairs["classes"], "asked"), sum(&pairs["classes"], "ruled_out")), (asked, ruled_out));
     let refuted = pairs["refuted"].as_array().unwrap();
     assert_eq!(refuted.len(), 1, "{refuted:?}");
     assert_eq!((&refuted[0]["bodies"], &refuted[0]["meets"]), (&json!(["column", "forearm"]), &true.into()));
-    let never = |pair: &&Value| pair["is_asked"] == true && pair["fate"] == "never";
+    let never = |pair: &&Value| pair["is_asked"] == true && pair["class"] == "never";
     let never: Vec<&Value> = pairs["matrix"].as_array().unwrap().iter().filter(never).collect();
     assert!(never.len() == 1 && never[0]["bodies"] == json!(["upper_arm", "hand"]), "{never:?}");
 
@@ -164,7 +164,7 @@ fn a_mesh_is_found_scaled_and_solid() {
     }
 }
 
-/// Shapes are exactly what the URDF says: a ball a micrometre beside a round cylinder is free, where a prism around the
+/// Shapes are exactly those of the URDF: a ball a micrometre beside a round cylinder is free, where a prism around the
 /// cylinder would meet it.
 #[test]
 fn a_urdf_has_its_own_shapes() {
@@ -377,7 +377,7 @@ fn a_refuted_pair_meets_where_it_is_said() {
     let report = folder.json(&["robot", &urdf, "--srdf", &srdf, "--pairs", "20000"]);
     let pairs = &report["pairs"];
     let all = count(&report["robot"]["pairs_asked"]) + count(&report["robot"]["pairs_ruled_out"]);
-    assert_eq!(sum(&pairs["fates"], "asked") + sum(&pairs["fates"], "ruled_out"), all);
+    assert_eq!(sum(&pairs["classes"], "asked") + sum(&pairs["classes"], "ruled_out"), all);
     let refuted = pairs["refuted"].as_array().unwrap();
     assert_eq!(refuted.len(), 1, "{refuted:?}");
     assert_eq!(refuted[0]["bodies"], json!(["panda_link2", "panda_link6"]));
@@ -391,7 +391,7 @@ fn a_refuted_pair_meets_where_it_is_said() {
     assert_eq!(matrix.len(), all);
     let never: Vec<(usize, usize)> = matrix
         .iter()
-        .filter(|pair| pair["fate"] == "never")
+        .filter(|pair| pair["class"] == "never")
         .map(|pair| (link(pair["bodies"][0].as_str().unwrap()), link(pair["bodies"][1].as_str().unwrap())))
         .collect();
     assert!(never.len() > 15, "{never:?}");

@@ -55,7 +55,7 @@ fn info_describes_a_tree_and_proves_it() {
     assert!(code == 2 && message.starts_with(start), "{message}");
 }
 
-/// A solid collides with what is inside it, and stays a solid when its tree is rebuilt. An open mesh is not a
+/// A solid collides with bodies inside it, and stays a solid when its tree is rebuilt. An open mesh is not a
 /// solid.
 #[test]
 fn a_closed_mesh_may_be_built_as_a_solid() {
@@ -89,7 +89,7 @@ fn a_closed_mesh_may_be_built_as_a_solid() {
     assert!(!folder.0.join("open.tree").exists());
 }
 
-/// The hull of a mesh, a tree or a cloud is a solid, and the hull of what is flat a surface, which the command says.
+/// The hull of a mesh, a tree or a cloud is a solid, and that of flat points a surface, as the command reports.
 #[test]
 fn hulls_are_solid_unless_they_are_flat() {
     let folder = Folder::new("hull");

@@ -1,4 +1,4 @@
-"""Verdicts and distances beside Coal's, of many poses: ``python -m simdop.bench --agree POSES``."""
+"""Compares verdicts and distances at many poses with Coal's: ``python -m simdop.bench --agree POSES``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._simdop import Body
 Mesh = tuple[Floats, Triangles]
 
 _TOLERANCE = 1e-6
-"""Of Coal: it stops at this distance from contact, and its distances are this wrong."""
+"""Coal stops at this distance from contact, and its distances are off by as much."""
 
 
 def coal_model(coal: Any, mesh: Mesh) -> Any:
@@ -90,10 +90,10 @@ def random_poses(count: int, near: float, far: float, seed: int) -> Floats:
 
 
 def compare(count: int) -> int:
-    """Print how verdicts and distances of ``count`` poses differ from Coal's; return how many are wrong.
+    """Print how verdicts and distances at ``count`` poses differ from Coal's; return how many are wrong.
 
-    Each of five meshes is asked against the next one. Poses nearer to contact than Coal's tolerance are left out of the
-    verdicts. Distances of bodies that meet are 0.
+    Each of five meshes is tested against the next one. Verdicts at poses nearer to contact than Coal's tolerance are
+    not compared. Distances of bodies that meet are 0.
     """
     coal = importlib.import_module("coal")
     meshes = five()

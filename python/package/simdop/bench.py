@@ -1,7 +1,7 @@
-"""``python -m simdop.bench``: simdop beside the libraries that are installed, on the same bodies and poses.
+"""``python -m simdop.bench``: simdop compared with the installed libraries, on the same bodies and poses.
 
-Each row is one library: microseconds a pose, called one by one and, where it takes arrays, in one call; and how many
-of its answers differ from simdop's. Poses that are closer to contact than 1e-9 are left out of that count.
+Each row is one library: microseconds per pose, one call per pose and, where it takes arrays, one call for all; and how
+many of its answers differ from simdop's. That count leaves out poses closer to contact than 1e-9.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _uneven(rows: int) -> Mesh:
 
 
 def _poses(count: int) -> Floats:
-    """Random rotations about bodies that are about as often in contact as not."""
+    """Random poses at which bodies are about as often in contact as not."""
     return random_poses(count, 1.6, 2.3, 1)
 
 
@@ -64,7 +64,7 @@ def _time(
 
 
 def _peers(mesh: Mesh) -> dict[str, tuple[Callable[[Floats], bool], Callable[[Floats], float]]]:
-    """For each library that is installed: whether two such meshes meet at a pose, and how far they are apart."""
+    """For each installed library: whether two such meshes meet at a pose, and how far they are apart."""
     vertices, faces = mesh
     peers: dict[str, tuple[Callable[[Floats], bool], Callable[[Floats], float]]] = {}
     try:
@@ -162,7 +162,7 @@ def points(count: int) -> None:
 
 
 class _Queries:
-    """Verdicts by the C library, ``libsimdop_capi.so``: what an array of poses costs without Python."""
+    """Verdicts by the C library, ``libsimdop_capi.so``: the cost of an array of poses without Python."""
 
     def __init__(self, path: str, body: Body) -> None:
         self._library = ctypes.CDLL(path)
@@ -201,7 +201,7 @@ def _import_time() -> float:
 def interpreter(rows: int, count: int, library: str) -> None:
     """Print what Python adds: to a call, to an array of poses, and to the start of a program.
 
-    Times of queries are of the processor, since the machine may be busy.
+    Times of queries are CPU times, since the machine may be busy.
     """
     mesh, poses = _uneven(rows), _poses(count)
     body = Body(*mesh)

@@ -1,11 +1,11 @@
-"""Verdicts for OMPL 2, whose wheel ``pip install ompl`` brings: valid states, with clearance, and certified motions.
+"""Checkers for OMPL 2 (``pip install ompl``): state validity, with clearance, and certified motions.
 
-``space_information(scene)`` has OMPL's space of a ``PlanningScene`` with both; ``solve`` plans in it::
+``space_information(scene)`` returns OMPL's space of a ``PlanningScene`` with both; ``solve`` plans in it::
 
     from ompl import geometric
     path = simdop.ompl.solve(scene, start, goal, planner=geometric.RRTConnect)  # (m, n), or None
 
-The scene must not change while OMPL plans. ``examples/motion_bench_maker.py`` is a program.
+The scene must not change while OMPL plans. ``examples/motion_bench_maker.py`` is a complete program.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ __all__ = ["Joints", "MotionValidator", "StateValidityChecker", "solve", "space_
 
 
 class Joints:
-    """How the variables of a scene are kept in OMPL's states.
+    """How OMPL's states store the variables of a scene.
 
-    The states of ``space`` are real vectors within the limits. If joints are continuous, they are compounds: a real
-    vector of the others, then an angle for each continuous joint, which takes the shorter way around.
+    The states of ``space`` are real vectors within the limits. With continuous joints they are compound states: a real
+    vector for the others, then an angle for each continuous joint, which takes the shorter way around.
     """
 
     def __init__(self, scene: PlanningScene) -> None:
@@ -93,7 +93,7 @@ class StateValidityChecker(base.StateValidityChecker):  # type: ignore[misc]
         return self._joints.are_within_limits(values) and self._scene.is_free(values, margin=self._margin)
 
     def clearance(self, state: Any) -> float:
-        """A lower bound on the least distance of two tested bodies, tight to rounding. 0 outside of the limits."""
+        """A lower bound on the least distance of two tested bodies, tight up to rounding. 0 outside the limits."""
         values = self._joints.values(state)
         return self._scene.clearance(values).lower if self._joints.are_within_limits(values) else 0.0
 
@@ -112,10 +112,10 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]
         return are_within and self._scene.edge_is_free(start, end)
 
     def checkMotionWithLastValid(self, s1: Any, s2: Any, last_valid: Any | None) -> tuple[bool, float]:  # noqa: N802
-        """Whether the motion is valid, and which share of it is, from ``s1``: 0 if not even ``s1`` is valid.
+        """Whether the motion is valid, and the share of it, from ``s1``, that is: 0 if not even ``s1`` is valid.
 
-        If it is not, ``last_valid``, unless it is None, becomes the state at that share. OMPL calls this from version
-        2.1 on; before, its planners know only whether a motion is valid.
+        If the motion is invalid, ``last_valid``, unless None, becomes the state at that share. OMPL calls this from
+        version 2.1 on; before, its planners know only whether a motion is valid.
         """
         start, end = self._joints.values(s1), self._joints.values(s2)
         if not (self._joints.are_within_limits(start) and self._joints.are_within_limits(end)):
@@ -128,7 +128,7 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]
 
 
 def space_information(scene: PlanningScene, *, margin: float = 0.0) -> tuple[Any, Joints]:
-    """OMPL's ``SpaceInformation`` of the variables of a scene, set up with both checkers, and the states' layout.
+    """OMPL's ``SpaceInformation`` for the variables of a scene, set up with both checkers, and the states' layout.
 
     ``margin`` is that of ``StateValidityChecker``. Motions are certified without it.
     """
@@ -151,8 +151,8 @@ def solve(
 ) -> Floats | None:
     """A path from ``start`` to ``goal``, (n,) each, whose straight motions are certified: (m, n), or None.
 
-    ``planner`` makes a planner of a ``SpaceInformation``: by default ``ompl.geometric.RRTConnect``. It has ``seconds``,
-    and with ``simplify`` as many to shorten the path.
+    ``planner`` makes a planner from a ``SpaceInformation``: by default ``ompl.geometric.RRTConnect``. It may take
+    ``seconds``, and with ``simplify`` as many to shorten the path.
     """
     si, joints = space_information(scene)
     setup = geometric.SimpleSetup(si)

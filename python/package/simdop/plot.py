@@ -1,4 +1,4 @@
-"""Figures of bodies, scenes, contacts, clearances and paths, by matplotlib; and a scene for trimesh's viewer.
+"""Figures of bodies, scenes, contacts, clearances and paths in matplotlib, and scenes for trimesh's viewer.
 
 Every function draws on ``ax``, or on new axes, which it returns: ``plot.planning(scene, q).figure.savefig("arm.png")``.
 """
@@ -37,14 +37,14 @@ def _axes_3d(ax: Any | None) -> Any:
 
 
 def _rgba(colour: Any, alpha: float, normals: Floats) -> Floats:
-    """A colour as it looks on faces with these normals."""
+    """A colour, shaded for faces with these normals."""
     base = np.array(_import("matplotlib.colors", "matplotlib").to_rgb(colour))
     shade = 0.55 + 0.45 * np.abs(normals @ _LIGHT)
     return np.column_stack([shade[:, None] * base, np.full(len(shade), alpha)])
 
 
 def _fit(ax: Any, points: Floats) -> None:
-    """Widen the limits of axes to points, with the same unit on all three."""
+    """Widen the limits of axes to include points, with the same scale on all three."""
     if len(points) == 0:
         return
     known = getattr(ax, "_simdop_limits", None)
@@ -59,14 +59,14 @@ def _fit(ax: Any, points: Floats) -> None:
 
 
 def _split(triangles: Floats, longest: float) -> tuple[Floats, NDArray[np.int64]]:
-    """Triangles cut in halves until none is longer, and of which each is a part; at most 64 parts of each."""
+    """Triangles halved until none is longer, at most 64 parts each; and the triangle that each is a part of."""
     of = np.arange(len(triangles))
     for _ in range(6):
         edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
         is_long = edges.max(axis=1, initial=0.0) > longest
         if not is_long.any():
             break
-        # The longest edge first.
+        # Puts the longest edge first.
         turned = (edges[is_long].argmax(axis=1)[:, None] + np.arange(3)) % 3
         p, q, r = np.take_along_axis(triangles[is_long], turned[:, :, None], axis=1).swapaxes(0, 1)
         middle = 0.5 * (p + q)
@@ -79,7 +79,7 @@ def _split(triangles: Floats, longest: float) -> tuple[Floats, NDArray[np.int64]
 def _draw(ax: Any, bodies: Iterable[tuple[Body, Floats, Any, float]]) -> None:
     """Draw bodies with their poses, colours and opacities, as one collection.
 
-    Matplotlib sorts the triangles of a collection by the depth of their middles, so they are small.
+    Triangles are cut small, because matplotlib sorts those of a collection by the depth of their centres.
     """
     parts, colours, corners = [np.zeros((0, 3, 3))], [np.zeros((0, 4))], [np.zeros((0, 3))]
     for body, pose, colour, alpha in bodies:
@@ -113,7 +113,7 @@ def body(
 
 
 def scene(scene: Scene, *, ax: Any | None = None, alpha: float = 1.0) -> Any:
-    """Draw all bodies of a scene, each in a colour. Returns the axes."""
+    """Draw all bodies of a scene, each in its own colour. Returns the axes."""
     ax = _axes_3d(ax)
     numbers = enumerate(scene.numbers)
     _draw(ax, [(scene.body(n), scene.pose(n), _COLOURS[i % len(_COLOURS)], alpha) for i, n in numbers])
@@ -133,7 +133,7 @@ def planning(scene: PlanningScene, values: ArrayLike, *, ax: Any | None = None, 
 
 
 def path(scene: PlanningScene, configurations: ArrayLike, *, ax: Any | None = None, shown: int = 6) -> Any:
-    """Draw a path, (m, n): the objects, ``shown`` robots along it, and the way of its last body. Returns the axes."""
+    """Draw a path, (m, n): the objects, ``shown`` robots along it, and the trace of the last body. Returns the axes."""
     ax = _axes_3d(ax)
     dense, _ = _dense(configurations, 64)
     robot, robots = len(scene.links), np.linspace(0, len(dense) - 1, shown).round().astype(int)
@@ -147,7 +147,7 @@ def path(scene: PlanningScene, configurations: ArrayLike, *, ax: Any | None = No
         _, shape, pose = scene.placed(values)[robot - 1]
         vertices = shape.mesh(8)[0]
         ends.append(pose[:3, :3] @ vertices.mean(0) + pose[:3, 3])
-    # Above the bodies, which would hide it even where it is before them.
+    # Drawn above the bodies, which would hide it even where it is in front of them.
     ax.plot(*np.array(ends).T, color=_COLOURS[5], linewidth=2, zorder=1000)
     return ax
 
@@ -171,7 +171,7 @@ def contacts(found: Contacts | Iterable[Patch], *, ax: Any | None = None, color:
 
 
 def _dense(configurations: ArrayLike, samples: int) -> tuple[Floats, Floats]:
-    """Configurations evenly along a path, and how far along they are in the joints."""
+    """Configurations evenly along a path, and their path lengths in joint values."""
     corners = np.atleast_2d(np.asarray(configurations, float))
     lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -182,7 +182,7 @@ def _dense(configurations: ArrayLike, samples: int) -> tuple[Floats, Floats]:
 def clearance(
     scene: PlanningScene, configurations: ArrayLike, *, ax: Any | None = None, samples: int = 200, cutoff: float = 1.0
 ) -> Any:
-    """Draw the signed clearance along a path, (m, n): below 0, bodies meet by that depth. Returns the axes."""
+    """Draw the signed clearance along a path, (m, n): below 0, bodies overlap by that depth. Returns the axes."""
     if ax is None:
         ax = _import("matplotlib.pyplot", "matplotlib").figure().add_subplot()
     dense, at = _dense(configurations, samples)

@@ -1,6 +1,6 @@
 """A ``CollisionManager`` for trimesh, with the methods and results of ``trimesh.collision.CollisionManager``.
 
-Convex meshes are solids, others surfaces, as there. Transforms that scale or mirror are applied to the vertices.
+As in trimesh, convex meshes are solids and others surfaces. Transforms that scale or mirror change the vertices.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "me
 _CONTACTS_PER_PAIR = 100_000
 _EXTERNAL = "__external"
 _RIGID = 1e-5
-"""How far the matrix of a pose in a scene may be from a rotation."""
+"""How much the matrix of a pose in a scene may deviate from a rotation."""
 
 
 class ContactData:
@@ -48,7 +48,7 @@ class ContactData:
         return self._contact.penetration_depth
 
     def index(self, name: Any) -> int:
-        """The face of the mesh with a name; -1 of a convex mesh."""
+        """The face of the mesh with this name; -1 for a convex mesh."""
         return self._inds[name]
 
 
@@ -63,20 +63,20 @@ class DistanceData:
 
     @property
     def distance(self) -> float:
-        """The distance; less the depth of convex meshes that meet."""
+        """The distance; for convex meshes that meet, minus their depth."""
         return self._distance
 
     def index(self, name: Any) -> int:
-        """The closest face of the mesh with a name; -1 of a convex mesh."""
+        """The closest face of the mesh with this name; -1 for a convex mesh."""
         return self._inds[name]
 
     def point(self, name: Any) -> Floats | None:
-        """The closest point of the mesh with a name, (3,)."""
+        """The closest point of the mesh with this name, (3,)."""
         return self._points[name]
 
 
 class _Convex(fcl.Convex):
-    """A convex mesh, which shares its body with those of the same vertices and faces."""
+    """A convex mesh, which shares its body with meshes of the same vertices and faces."""
 
     def __init__(self, mesh: Any) -> None:
         vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
@@ -88,7 +88,7 @@ class _Convex(fcl.Convex):
 
 
 class _Surface(fcl.BVHModel):
-    """A mesh, which shares its body with those of the same vertices and faces."""
+    """A mesh, which shares its body with meshes of the same vertices and faces."""
 
     def __init__(self, mesh: Any) -> None:
         super().__init__()
@@ -152,7 +152,7 @@ class CollisionManager:
         self._names: dict[int, Any] = {}
 
     def add_object(self, name: Any, mesh: Any, transform: ArrayLike | None = None) -> fcl.CollisionObject:
-        """Add a mesh at a transform, (4, 4); replace the one of that name."""
+        """Add a mesh at a transform, (4, 4); replace the mesh of that name."""
         obj = _object(mesh, transform)
         if name in self._objs:
             self.remove_object(name)
@@ -231,7 +231,7 @@ class CollisionManager:
         return _returned(distance, None if names is None else names[0], data, return_name, return_data)
 
     def min_distance_internal(self, name: Any = None, return_names: bool = False, return_data: bool = False) -> Any:
-        """The least distance of two meshes, or of that of a name from another; with their names, sorted, and points."""
+        """The least distance of two meshes, or of a named mesh from any other; with their names, sorted, and points."""
         if name is None:
             distance, names, data = self._min_distance(self._scene, None)
         else:
@@ -254,7 +254,7 @@ class CollisionManager:
     def _min_distance(
         self, scene: Scene, other: CollisionManager | None
     ) -> tuple[float, tuple[Any, Any] | None, DistanceData | None]:
-        """Of all pairs that meet, the deepest."""
+        """The deepest of all pairs that meet."""
         theirs, their_scene = (self, None) if other is None else (other, other._scene)
         pairs = nearest_pairs(scene, their_scene)
         if not pairs:
@@ -269,7 +269,7 @@ class CollisionManager:
 
 
 def _returned(answer: Any, names: Any, data: Any, with_names: bool, with_data: bool) -> Any:
-    """What a method returns."""
+    """The values that a method returns."""
     if not with_names and not with_data:
         return answer
     return (answer, *([names] if with_names else []), *([data] if with_data else []))

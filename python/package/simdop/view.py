@@ -1,7 +1,7 @@
 """Bodies, scenes and paths in a browser, by viser: ``pip install viser``.
 
-Each function adds to ``server``, a ``viser.ViserServer``, or to a new one, which serves ``http://localhost:8080`` until
-its ``stop``, and returns it: ``view.path(scene, path)``.
+Each function adds to ``server``, a ``viser.ViserServer``, or to a new one, and returns it. A new one serves
+``http://localhost:8080`` until its ``stop``: ``view.path(scene, path)``.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _ROBOT, _OBJECT = (68, 119, 170), (187, 187, 187)
 
 
 def _server(server: Any | None) -> Any:
-    # Only for this machine: the default is for all that can reach it.
+    # For this machine only: by default, every machine on the network has access.
     return viser.ViserServer(host="127.0.0.1", verbose=False) if server is None else server
 
 
@@ -37,7 +37,7 @@ def _turn(handle: Any, pose: Floats) -> None:
 
 
 def _add(server: Any, bodies: Iterable[tuple[str, Body, Floats]], colour: tuple[int, int, int]) -> list[Any]:
-    """Handles of bodies, or None where there is nothing to draw, such as of a half-space."""
+    """Handles of bodies, or None where there is nothing to draw, such as for a half-space."""
     handles = []
     for name, body, pose in bodies:
         vertices, faces = body.mesh()
@@ -61,13 +61,13 @@ def scene(scene: Scene, *, server: Any | None = None) -> Any:
 def path(scene: PlanningScene, configurations: ArrayLike, *, server: Any | None = None) -> Any:
     """Show a robot among its objects, with a slider along a path, (m, n), whose ends are 0 and 1. Returns the server.
 
-    Of one configuration, (n,), there is nothing to move.
+    A single configuration, (n,), has no slider.
     """
     server = _server(server)
     corners = np.atleast_2d(np.asarray(configurations, float))
     placed, robot = scene.placed(corners[0]), len(scene.links)
     handles = _add(server, placed[:robot], _ROBOT)
-    # Names of objects need not differ.
+    # Names of objects need not be unique.
     _add(server, [(f"objects/{i}/{name}", body, pose) for i, (name, body, pose) in enumerate(placed[robot:])], _OBJECT)
     lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])

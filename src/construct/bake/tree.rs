@@ -30,7 +30,7 @@ pub(in crate::construct) struct Contents<'c> {
     pub(in crate::construct) caps: &'c Caps,
 }
 
-/// What the tree of the caps has from that of the solid.
+/// The data that the tree of the caps takes from the solid's tree.
 struct OfSolid<'c> {
     frame: Frame,
     /// For each cap, the index in the solid's leaf order of a primitive at the border of its hole.
@@ -48,7 +48,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     bake_tree::<N, G>(table, assignment, contents, None)
 }
 
-/// Bakes a tree, or that of a solid's caps.
+/// Bakes the tree of a body, or of a solid's caps.
 fn bake_tree<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
@@ -135,6 +135,7 @@ fn bake_tree<N: Dop, G: Geometry>(
         has_normal_slabs: with_normal_slabs.into(),
         has_balls: (!balls.is_empty()).into(),
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
+        has_packing: 0,
         part_count: parts.len() as u32,
         storage: N::Storage::CODE,
         cap_lines,

@@ -52,7 +52,7 @@ pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
 const NODES_PER_TASK: usize = 512;
 const VERTICES_PER_TASK: usize = 2048;
 
-/// The key of each direction's support of each vertex, `K` a vertex.
+/// The key of each direction's support of each vertex, `K` per vertex.
 fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key<N::Storage>> {
     let mut keys = alloc::vec![Key::<N::Storage>::LOWEST; vertices.len() * N::K];
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {

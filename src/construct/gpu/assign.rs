@@ -45,7 +45,7 @@ pub(in crate::construct) fn assign(
     }
 }
 
-/// Marks places of `Build::order` whose primitives only the device has.
+/// Marks places of `Build::order` whose primitives only the device stores.
 const ON_DEVICE: u32 = u32::MAX;
 
 /// A build in progress.
@@ -55,7 +55,8 @@ struct Build<'a, const N: usize> {
     compiled: Arc<Compiled>,
     memory: TreeMemory,
     groups: Vec<wgpu::BindGroup>,
-    /// Primitives of nodes that are cut by axes with all nodes below them, in their places; elsewhere [`ON_DEVICE`].
+    /// Primitives of nodes that are cut by axes, as are all nodes below them, in their places; elsewhere
+    /// [`ON_DEVICE`].
     order: Vec<u32>,
     spent: Spent,
 }
@@ -171,7 +172,7 @@ impl<'a, const N: usize> Build<'a, N> {
         self.write(Binding::Nodes, &jobs.nodes);
         self.write(Binding::Chunks, &jobs.chunks);
         self.submit(jobs, &[Shader::Bounds, Shader::Start, Shader::LocalCoordinates]);
-        // In several submissions: a system may stop a device that works too long on one.
+        // Several submissions, since a system may stop a device that works too long on one.
         for steps in self.clusterer.schedule.chunks(STEPS_AT_ONCE) {
             let each = [Shader::Accumulate, Shader::Update].repeat(steps.len());
             self.submit(jobs, &[&*each, &[Shader::Cluster]].concat());

@@ -18,15 +18,15 @@
 //!
 //! The host sends the nodes of the level. The device then computes, without synchronisation: the box of each node
 //! (`bounds`), its frame and prototypes (`start`), `local_coordinates`, the steps, `nearest`, full nodes (`balance`),
-//! and a stable sort by lane (`lane_ends`, `sort_by_lane`, `replace`). The host reads back once: the ends of the lanes,
-//! which are part of the tree and determine the next level.
+//! and a stable sort by lane (`lane_ends`, `sort_by_lane`, `replace`). The host reads back once: the ends of the
+//! lanes, which are part of the tree and determine the next level.
 //!
 //! One workgroup clusters a *small* node (2048 primitives or fewer), eight steps per dispatch (`cluster`). A *large*
 //! node is divided into chunks; each step is a dispatch that sums each chunk (`accumulate`) and one that adds the sums
 //! and moves the prototypes (`update`). Nodes that have settled skip the remaining steps.
 //!
 //! The host cuts nodes that clustering cannot split, in full precision. It reads the order of their primitives, and
-//! keeps it if all nodes below will be cut so too.
+//! keeps it if all nodes below will be cut in the same way.
 //!
 //! # Memory
 //!

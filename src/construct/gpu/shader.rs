@@ -22,13 +22,13 @@ pub(super) const STEPS_AT_ONCE: usize = 8;
 const MOVES_AT_ONCE: usize = 32;
 
 /// Number of dispatches of [`Shader::Balance`] after which no lane is overfull. Leaves are distributed in multiples of
-/// `lanes` - 1, each to the lane with the greatest lack. So no lane has more free capacity than that, and the total
-/// lack is at most the total free capacity.
+/// `lanes` - 1, each to the lane with the greatest deficit. So no lane has more free capacity than that, and the total
+/// deficit is at most the total free capacity.
 pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
     (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
 }
 
-/// Outcomes of a node, in `states` and `ends`. The node must be cut by axes. No node has so many primitives that an end
+/// Outcomes of a node, in `states` and `ends`, that require a cut by axes. No node has so many primitives that an end
 /// could equal one of these.
 pub(super) const SMALL: u32 = u32::MAX - 1;
 /// One prototype took all primitives.

@@ -1,8 +1,8 @@
 //! The triangles of the hull of points in space, one point at a time.
 //!
-//! A facet *sees* a point that is strictly on its outer side. The facets that see a new point are one region, whose
-//! border is a simple cycle: moved a little towards the inside, the point is in no plane of a facet, and is seen by the
-//! same facets. They are replaced by triangles from the border to the point. Facets in whose plane the point is stay,
+//! A facet *sees* a point that is strictly on its outer side. The facets that see a new point form one region, whose
+//! border is a simple cycle: if the point moves a little towards the inside, it is in no facet's plane and is seen by
+//! the same facets. Triangles from the border to the point replace them. Facets whose plane contains the point stay,
 //! and may get another triangle in their plane; so no triangle is degenerate.
 
 use super::orientation::height;
@@ -19,7 +19,7 @@ pub(super) struct Facet {
     pub(super) corners: [u32; 3],
     /// The facets beyond the edges from each corner to the next.
     pub(super) across: [u32; 3],
-    /// The points not yet inserted that it sees, ascending: the next one is the first.
+    /// The points not yet inserted that it sees, ascending: the first is inserted next.
     outside: Box<[u32]>,
     is_gathered: bool,
 }
@@ -28,7 +28,7 @@ pub(super) struct Facet {
 pub(super) struct Facets<'a> {
     points: &'a [Point],
     facets: Vec<Facet>,
-    /// Places in `facets` that are not in use.
+    /// Unused places in `facets`.
     unused: Vec<u32>,
     /// For each point not yet inserted, a facet that sees it, or [`NONE`] if it is in the hull.
     seen_by: Vec<u32>,
@@ -162,11 +162,12 @@ impl<'a> Facets<'a> {
         self.begins[from as usize] = new;
     }
 
-    /// Finds the points that a new facet sees. It lies between two facets at one of its edges: what it sees, one of the
-    /// two does, and what both see, it does.
+    /// Finds the points that a new facet sees. It lies between two facets at one of its edges: at least one of the two
+    /// sees each point that it sees, and it sees each point that both see.
     ///
-    /// So each point outside of the new hull is seen by the facet that `seen_by` says. What sees it is connected: if only
-    /// the region did, a new facet does; otherwise two facets at an edge of the border do, and the new one between them.
+    /// So each point outside the new hull is seen by the facet in `seen_by`. The facets that saw it were connected: if
+    /// all were in the region, a new facet sees it; otherwise two facets at an edge of the border saw it, and the new
+    /// one between them does.
     fn find(&mut self, corners: [u32; 3], [inside, beyond]: [u32; 2], new: u32) {
         self.found.clear();
         let mut inside = &*self.facets[inside as usize].outside;
@@ -205,7 +206,7 @@ impl<'a> Facets<'a> {
     }
 }
 
-/// Whether a facet is not in use.
+/// Whether a facet is unused.
 pub(super) fn is_unused(facet: &Facet) -> bool {
     facet.corners[0] == NONE
 }

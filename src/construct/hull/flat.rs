@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 /// The polygon around points in the plane of three.
 pub(super) fn hull(mut points: Vec<Point>, plane: &[Point; 3]) -> OwnedMesh {
-    // Along this axis no two points are seen at one place.
+    // Seen along this axis, no two points coincide.
     let axis = (0..3).find(|&axis| area(projected(plane, axis)) != 0.0).unwrap_or(0);
     let seen = |p: &Point| projected(&[*p], axis)[0];
     points.sort_unstable_by(|p, q| {
@@ -18,7 +18,7 @@ pub(super) fn hull(mut points: Vec<Point>, plane: &[Point; 3]) -> OwnedMesh {
     points.dedup();
     let mut around = chain(points.iter().copied(), seen);
     let back = chain(points.iter().rev().copied(), seen);
-    // Each begins where the other ends.
+    // Each chain begins where the other ends.
     around.pop();
     around.extend(&back[..back.len() - 1]);
 

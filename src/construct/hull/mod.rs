@@ -23,14 +23,14 @@ use orientation::{area, compare, height, projected};
 /// points in space is degenerate. The mesh depends on the set of points only, not on their order, and is the same on
 /// every machine.
 ///
-/// Points in one plane, on one line and at one place have a hull, too, which is not solid: a polygon, oriented either
-/// way, or one degenerate triangle. Of no points it is empty. The hull has no radius: for points widened by one, use
-/// the radius [of a body in a scene](crate::scene::Body::with_radius), or
+/// Points in one plane, on one line or at one place have a hull, too, which is not solid: a polygon, oriented either
+/// way, or one degenerate triangle. The hull of no points is empty. The hull has no radius: for points widened by a
+/// radius, use that [of a body in a scene](crate::scene::Body::with_radius), or
 /// [`Query::within`](crate::query::Query::within).
 ///
-/// The points are inserted in a fixed pseudorandom order, and each facet has a list of the points outside of it
+/// The points are inserted in a fixed pseudorandom order, and each facet has a list of the points that it sees
 /// (Clarkson and Shor, *Applications of random sampling in computational geometry II*, 1989). For n points this takes
-/// an expected time of `n log n`, and an expected room of n; both are at most about the square of n.
+/// an expected time proportional to `n log n` and memory proportional to n; both are at most about the square of n.
 ///
 /// ```
 /// use simdop::construct::ConvexHull;
@@ -60,7 +60,7 @@ impl ConvexHull {
     /// [`BuildError::Vertex`] with the index of a point that is NaN, infinite or out of range;
     /// [`BuildError::TooLarge`]; [`BuildError::TooSmall`].
     pub fn of(points: &[Point]) -> Result<Self, BuildError> {
-        // There are up to twice as many facets, which have indices.
+        // Up to twice as many facets have indices.
         if points.len() > (u32::MAX / 4) as usize {
             return Err(BuildError::TooLarge { count: points.len() });
         }
@@ -86,8 +86,8 @@ impl ConvexHull {
     }
 }
 
-/// Some of the points, which span what all of them span: one more than its dimension. Two are the ends of all that is
-/// on a line; more are far from each other.
+/// Points with the affine span of all points, one more than its dimension. Two are the ends of points on a line; more
+/// are far from each other.
 fn spanning(points: &[Point]) -> Vec<Point> {
     let ends = (points.iter().copied().min_by(compare), points.iter().copied().max_by(compare));
     let (Some(p), Some(q)) = ends else { return Vec::new() };

@@ -3,7 +3,7 @@
 use crate::random::SplitMix64;
 use crate::range::Point;
 
-/// Points that are not sorted: their numbers are for the cache.
+/// Fewer points are not sorted: sorting is for the cache.
 const FEW: usize = 1024;
 
 /// A pseudorandom permutation in rounds, each twice as long as all before it and sorted along a curve, so that a point
@@ -33,7 +33,7 @@ fn spread(x: u32) -> u32 {
     (0..10).fold(0, |sum, bit| sum | (x >> bit & 1) << (3 * bit))
 }
 
-/// A permutation that depends on the number of points only (Fisher and Yates).
+/// A permutation that depends only on the number of points (Fisher and Yates).
 fn shuffle(points: &mut [Point]) {
     let mut random = SplitMix64(0);
     for last in (1..points.len()).rev() {

@@ -1,4 +1,4 @@
-//! Triangles in one plane become one polygon, whose corners are those of the hull.
+//! Merges triangles in one plane into one polygon, whose corners are those of the hull.
 
 use super::facets::{Facet, is_unused};
 use super::fan::add_fan;
@@ -43,9 +43,9 @@ pub(super) fn mesh(points: &[Point], facets: &[Facet]) -> OwnedMesh {
 /// The facets by planes.
 struct FacetPlanes<'a> {
     facets: &'a [Facet],
-    /// Of each facet, the index of its plane.
+    /// For each facet, the index of its plane.
     of_facet: Vec<u32>,
-    /// The facets of one plane after those of another, and where each plane's end.
+    /// The facets, grouped by plane, and the end of each plane's group.
     members: Vec<u32>,
     ends: Vec<usize>,
 }
@@ -89,8 +89,8 @@ impl<'a> FacetPlanes<'a> {
         self.members[start..self.ends[plane]].iter().map(|&facet| &self.facets[facet as usize])
     }
 
-    /// For each point whether it is a corner of the hull: at least three planes meet there. Two meet at any other point
-    /// of an edge.
+    /// For each point whether it is a corner of the hull, where at least three planes meet. At any other point of an
+    /// edge, two meet.
     fn corners(&self, points: usize) -> Vec<bool> {
         let mut first_two = alloc::vec![[NONE; 2]; points];
         let mut is_corner = alloc::vec![false; points];

@@ -1,12 +1,12 @@
 //! Caps: triangles that close the holes of a mesh.
 //!
 //! Vertices with equal coordinates are joined. The weight of an edge is the number of triangles that run along it in
-//! one direction, less those in the other. The edges with their weights are a 1-chain, the border of the surface. The
+//! one direction, minus those in the other. The edges with their weights are a 1-chain, the border of the surface. The
 //! border of a border is zero, so as many edges lead to each vertex as away from it, and the chain decomposes into
 //! loops that pass no vertex twice. The border of a fan of triangles, from one vertex of a loop to its edges, is the
 //! loop. So the surface together with the opposite of all fans has no border, and its winding number around a point is
 //! an integer that does not depend on the ray by which it is counted. This holds for any surface: an edge of three
-//! triangles, or of two with opposite orientations, is part of the border like any other.
+//! triangles, or of two with opposite orientations, simply is part of the border.
 
 use super::closed::first_at_place;
 use super::geometry::Mesh;
@@ -22,7 +22,7 @@ use crate::vector::{cross, difference, length};
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// The most triangles that the caps of one mesh may have.
+/// Maximum number of triangles in the caps of a mesh.
 const MOST: usize = 1 << 14;
 
 /// Triangles that close the holes of a mesh: [`Mesh::caps`].
@@ -39,9 +39,9 @@ pub struct Caps {
 }
 
 impl Mesh<'_> {
-    /// The triangles that close the holes of this mesh, if none is wider than `width`: the greatest distance of two
-    /// corners of a hole's border, in the mesh's unit. None for a closed mesh. [`Builder::solid_with_caps`] defines
-    /// holes and caps.
+    /// The triangles that close the holes of this mesh, if no hole is wider than `width`. The width of a hole is the
+    /// greatest distance between two corners of its border, in the mesh's unit. A closed mesh gives no triangles.
+    /// [`Builder::solid_with_caps`] defines holes and caps.
     ///
     /// Together with the triangles of this mesh they are a closed mesh, which may be packed or covered.
     ///
@@ -102,7 +102,7 @@ struct BorderEdge {
     beside: u32,
 }
 
-/// The border that caps need, sorted. An edge occurs as often as it has weight.
+/// The border that caps must have, sorted. An edge occurs as many times as its weight.
 struct Border(Vec<BorderEdge>);
 
 /// A closed path along edges, which passes no vertex twice.
@@ -111,7 +111,7 @@ type Loop = Vec<BorderEdge>;
 impl Border {
     fn of(vertices: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let first = first_at_place(vertices);
-        // Each with the direction in which a triangle runs along it, and the triangle.
+        // Each edge with the direction in which a triangle runs along it, and the triangle.
         let mut along: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * triangles.size_hint().0);
         for (index, corners) in (0..).zip(triangles) {
             let t = corners.map(|v| first[v as usize]);
@@ -129,7 +129,7 @@ impl Border {
         for run in along.chunk_by(|x, y| x.0 == y.0) {
             let forward = run.iter().filter(|(_, is_forward, _)| *is_forward).count();
             let (weight, [low, high]) = (2 * forward as isize - run.len() as isize, run[0].0);
-            // Caps run the other way.
+            // Caps run in the opposite direction.
             let (from, to) = if weight > 0 { (high, low) } else { (low, high) };
             let beside = run.iter().fold(u32::MAX, |beside, (_, _, index)| beside.min(*index));
             edges.extend(core::iter::repeat_n(BorderEdge { from, to, beside }, weight.unsigned_abs()));
@@ -144,7 +144,7 @@ impl Border {
         let edges = &self.0;
         let starts = |vertex: u32| edges.partition_point(|edge| edge.from < vertex);
         let mut is_taken = alloc::vec![false; edges.len()];
-        // The place on the path of the edge that leaves a vertex, by the number of the vertex's first edge.
+        // For each vertex, by the number of its first edge, the place on the path of the edge that leaves it.
         let mut places = alloc::vec![NOWHERE; edges.len()];
         let (mut loops, mut path): (Vec<Loop>, Vec<usize>) = (Vec::new(), Vec::new());
         for start in 0..edges.len() {
@@ -155,7 +155,7 @@ impl Border {
                 path.push(edge);
                 let here = starts(edges[edge].to);
                 if places[here] != NOWHERE {
-                    // A vertex of the path again: the path since then is a loop.
+                    // The path returns to one of its vertices: the part since then is a loop.
                     let around: Loop = path.drain(places[here]..).map(|edge| edges[edge]).collect();
                     around.iter().for_each(|edge| places[starts(edge.from)] = NOWHERE);
                     loops.push(around);
@@ -163,7 +163,8 @@ impl Border {
                         break;
                     }
                 }
-                // As many edges lead to a vertex as away from it, so one is left unless the path is back at its start.
+                // As many edges lead to a vertex as away from it, so an edge is left unless the path is back at its
+                // start.
                 let of_vertex = |edge: &usize| edges[*edge].from == edges[here].from;
                 next = (here..edges.len()).take_while(of_vertex).find(|&edge| !is_taken[edge]);
             }
@@ -195,7 +196,7 @@ fn widths(vertices: &[Point], loops: &[Loop], limit: f64) -> Result<Vec<f64>, Bu
     }
 }
 
-/// The greatest distance of two corners of a loop.
+/// The greatest distance between two corners of a loop.
 fn width_of(vertices: &[Point], around: &[BorderEdge]) -> f64 {
     let corner = |edge: &BorderEdge| vertices[edge.from as usize];
     let distances = around.iter().enumerate().flat_map(|(i, first)| {
@@ -261,7 +262,7 @@ mod tests {
         };
         let one = ring(&[3, 9, 4, 7]);
         assert_eq!(check_loops(one.clone()), [4]);
-        // Twice the same, as around a triangle that is turned the wrong way.
+        // The same loop twice, as around a triangle with the wrong orientation.
         assert_eq!(check_loops([one.clone(), one.clone()].concat()), [4, 4]);
         // A figure eight, whose common vertex is the first, the last, or another one.
         for common in [0, 5, 100] {
@@ -279,7 +280,7 @@ mod tests {
     fn random_borders_fall_into_loops() {
         let mut rng = crate::rng::Rng::new(3);
         for _ in 0..2000 {
-            // Closed walks, without an edge that another one runs back.
+            // Closed walks without pairs of opposite edges.
             let count = 4 + rng.below(9) as u32;
             let mut edges: Vec<BorderEdge> = Vec::new();
             for _ in 0..1 + rng.below(4) {

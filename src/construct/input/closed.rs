@@ -26,8 +26,8 @@ pub(crate) fn check_closed(mesh: &Mesh<'_>) -> Result<(), Unclosed> {
 /// Checks that as many triangles run along each edge in one direction as in the other, after joining vertices with
 /// equal coordinates.
 ///
-/// Then the surface has no border, and its winding number around a point does not depend on the ray by which it is
-/// counted. An edge usually has two triangles; where solids touch along an edge it has four.
+/// Then the surface has no border, and its winding number around a point does not depend on the ray that counts it. An
+/// edge usually has two triangles; where solids touch along an edge it has four.
 pub(in crate::construct) fn check_edges(
     vertices: &[Point],
     triangles: impl Iterator<Item = [u32; 3]>,

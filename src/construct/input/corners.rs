@@ -23,7 +23,7 @@ pub(in crate::construct) fn corners_of<P: Primitive<Record: AsRef<[u32]>>>(
     corner_balls::<P>(vertices, record).fold(0.0, |radius, ball| f64::max(radius, ball.radius))
 }
 
-/// Low and high corner of the bounding box of some balls; of none, infinities.
+/// Low and high corner of the bounding box of some balls; infinities if there are none.
 pub(in crate::construct) fn bounding_box(balls: impl Iterator<Item = Sphere>) -> (Point, Point) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for Sphere { centre, radius } in balls {

@@ -28,8 +28,7 @@ pub trait Geometry {
     fn normal(_corners: &[Point]) -> Point {
         [0.0; 3]
     }
-    /// Whether a primitive is more degenerate than its type, as a triangle without area is. Degenerate primitives are
-    /// counted.
+    /// Whether a primitive is degenerate, such as a triangle without area. Degenerate primitives are counted.
     fn is_degenerate(corners: &[Point], radius: f64) -> bool;
 }
 

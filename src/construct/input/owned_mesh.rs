@@ -10,8 +10,8 @@ use core::f64::consts::PI;
 /// A mesh that owns its vertices and triangles.
 ///
 /// The meshes made here are closed, with triangles counterclockwise as seen from outside, and so may be
-/// [solid](crate::construct::Builder::solid). They are for drawing, and for what takes meshes only: a query takes a
-/// [`Shape`](crate::primitive::Shape) as it is, without an error.
+/// [solid](crate::construct::Builder::solid). They are for drawing, and for functions that take only meshes: queries
+/// take a [`Shape`](crate::primitive::Shape) itself, without an approximation error.
 ///
 /// ```
 /// use simdop::construct::{Builder, OwnedMesh};
@@ -74,8 +74,8 @@ impl OwnedMesh {
         Ok(Self { vertices, triangles })
     }
 
-    /// A pyramid around the z axis that contains the cone of this radius and height. The tip is as far above the origin
-    /// as the base is below. No point of it is farther than `error` from the cone.
+    /// A pyramid around the z axis that contains the cone of this radius and height. No point of it is farther than
+    /// `error` from the cone. The origin is midway between the base and the tip, which is above.
     ///
     /// # Errors
     /// As [`OwnedMesh::cylinder`].
@@ -103,7 +103,7 @@ fn rim(radius: f64, error: f64) -> Result<Vec<[f64; 2]>, ShapeError> {
     if !(error > 0.0 && fits(OwnedMesh::MAX_SIDES)) {
         return Err(ShapeError::Error { given: error });
     }
-    // The distance falls with the number of sides: bisection finds the first number that fits.
+    // The distance decreases with the number of sides: bisection finds the least number that fits.
     let (mut below, mut sides) = (2, OwnedMesh::MAX_SIDES);
     while sides - below > 1 {
         let middle = below.midpoint(sides);

@@ -14,7 +14,7 @@ pub struct Assignment {
     /// The primitives, each once.
     pub order: Vec<u32>,
     /// `arity` numbers per node: the end of each lane's part of `order`. The first part begins where the node's range
-    /// does. Parts may be empty, which leaves lanes unused. No part longer than a leaf is the whole range.
+    /// does. Parts may be empty, which leaves lanes unused. No part that is longer than a leaf is the whole range.
     pub ends: Vec<u32>,
 }
 

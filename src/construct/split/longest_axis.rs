@@ -9,8 +9,8 @@ use crate::halving::{Halving, Located};
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// The data of a primitive that these splitters use. Moved as a whole: looking it up by index would miss the cache at
-/// every step.
+/// The data of a primitive that these splitters use. Items are moved as a whole: looking them up by index would miss
+/// the cache at every step.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Item {
     pub(super) centroid: Point,

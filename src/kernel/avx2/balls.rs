@@ -41,7 +41,7 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// The square of the distance of the centres, and the sum of the radii.
+    /// The square of the distance between the centres, and the sum of the radii.
     #[inline]
     fn distances(a: &Eight, b: &Eight) -> (__m256, __m256) {
         let ([p, q, r], [u, v, w]) = (a.centre, b.centre);

@@ -175,8 +175,8 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// Sixteen codes, as floats. Of half floats in order; else lanes 0 to 3 and 8 to 11, then the others.
-    /// [`encode_query`] and [`in_order`] restore the order.
+    /// Sixteen codes, as floats. Half floats stay in order; in fixed point, lanes 0 to 3 and 8 to 11 come first, then
+    /// the others. [`encode_query`] and [`in_order`] restore the order.
     #[inline]
     fn decode<S: Storage>(codes: __m256i) -> [__m256; 2] {
         if S::IS_HALF {

@@ -38,7 +38,7 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// The square of the distance of the centres, and the sum of the radii.
+    /// The square of the distance between the centres, and the sum of the radii.
     #[inline]
     fn distances(a: &Four, b: &Four) -> (float32x4_t, float32x4_t) {
         let ([p, q, r], [u, v, w]) = (a.centre, b.centre);

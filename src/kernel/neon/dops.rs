@@ -18,9 +18,8 @@ const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 14 && slab == 3
 }
 
-/// Codes in as many bytes as a register's, and aligned to them. Targets without an operating system are compiled for
-/// memory without unaligned access (`strict-align`): there, vectors whose alignment compilers do not know are moved by
-/// halfwords.
+/// The codes of one register, with its size and alignment. Targets without an operating system are compiled without
+/// unaligned access (`strict-align`): there, compilers move vectors of unknown alignment by halfwords.
 #[derive(Copy, Clone, Pod, Zeroable)]
 #[repr(C, align(16))]
 struct AlignedEight([i16; 8]);
@@ -252,7 +251,7 @@ compiled_for_neon! {
         let inverse = vsubq_s32(vdupq_n_s32(254 << 23), place);
         let places = vmulq_f32(vreinterpretq_f32_s32(magnitude), vreinterpretq_f32_s32(inverse));
         let cut = truncate(places);
-        // All bits where places were cut off: less -1 is 1 more. Not of negative numbers.
+        // All ones where places were cut off: subtracting -1 adds 1. Not for negative numbers.
         let is_cut = vmvnq_u32(vceqq_f32(vcvtq_f32_s32(cut), places));
         let up = vbicq_s32(vreinterpretq_s32_u32(is_cut), signs);
         let base = vshlq_n_s32::<10>(vsubq_s32(vshrq_n_s32::<23>(exponent), vdupq_n_s32(113)));

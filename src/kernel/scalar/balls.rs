@@ -8,7 +8,7 @@ pub(super) fn meet(a: &BoundingBall, b: &Ball16) -> u16 {
     (0..16).filter(|&i| is_met(&distances(a, &b.lane(i)))).fold(0, |mask, i| mask | 1 << i)
 }
 
-/// The square of the distance of the centres, and the sum of the radii.
+/// The square of the distance between the centres, and the sum of the radii.
 fn distances(a: &BoundingBall, b: &BoundingBall) -> (f32, f32) {
     let [x, y, z] = [0, 1, 2].map(|i| a.centre[i] - b.centre[i]);
     ((x * x + y * y) + z * z, a.radius + b.radius)

@@ -52,8 +52,8 @@ pub(super) fn realign_over<const K: usize, S: Storage>(
     b: &[[i16; 16]; K],
     lane: Option<usize>,
 ) -> u16 {
-    // 32-bit masks, to match the registers of the small cores that this is for. Planes of unused lanes are set above
-    // every key below.
+    // 32-bit masks match the registers of the small cores that this code is for. `separate`, below, sets the planes of
+    // unused lanes above every key.
     let unused = (0..16).filter(|&i| a[0][i] == EMPTY).fold(0_u32, |mask, i| mask | 1 << i);
     let known = u32::from(*whole);
     let mut mask = u32::from(u16::MAX);

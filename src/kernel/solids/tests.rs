@@ -31,14 +31,14 @@ fn shape(rng: &mut Rng, edges: usize) -> Shape {
     shape.moved(&Pose::new(rotation, DVec3::from_array(t)).unwrap())
 }
 
-/// Bits that are decided, and that the filter in `f64` decides.
+/// The numbers of bits that the kernel decides, and that the filter in `f64` decides.
 fn check<const M: usize, const N: usize>(rng: &mut Rng) -> [u32; 2] {
     let query = shape(rng, M);
     let shapes: Vec<_> = (0..rng.int(1, 16)).map(|_| shape(rng, N)).collect();
     let mut lanes = SolidLanes::<N>::new(&shapes).unwrap();
     let mut margin = *rng.pick(&[0.0, 0.0, 0.25, 0.1]);
     if rng.below(2) == 0 {
-        // Next to the distance of one of them.
+        // A margin close to the distance of one of them.
         let one = rng.pick(&shapes);
         let (mut low, mut high) = (0.0, 8.0);
         for _ in 0..50 {
@@ -47,7 +47,7 @@ fn check<const M: usize, const N: usize>(rng: &mut Rng) -> [u32; 2] {
         }
         margin = low * (1.0 + rng.range(-1.0, 1.0) * 2.0_f64.powi(-(rng.below(26) as i32)));
     }
-    // Shapes of other scales, far away in units of themselves.
+    // Shapes of other scales, far away relative to their size.
     let scale = 2.0_f64.powi(*rng.pick(&[0, 0, -15, 20, -25, 40]));
     let shift = if rng.below(4) == 0 { rng.range(-100.0, 100.0) } else { 0.0 };
     let pose = |s: &Shape| {
@@ -101,7 +101,7 @@ fn verdicts_are_those_of_the_filter() {
     assert!(10 * counts[0] > 5 * counts[1], "{counts:?}");
 }
 
-/// Cuboids that touch up to a part of their size down to 2^-25, for the axes.
+/// Cuboids that touch up to a gap or overlap down to 2^-25 of their size, to test the axes.
 #[test]
 fn touching_cuboids() {
     let mut rng = Rng::new(2);

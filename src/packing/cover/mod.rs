@@ -35,7 +35,7 @@ impl Mesh<'_> {
     /// [`Builder::solid`](crate::construct::Builder::solid).
     ///
     /// There are far fewer spheres than from [`Mesh::cover`] if the solid is thick, since most of each sphere is
-    /// inside. The same spheres on every machine. An empty mesh gives none.
+    /// inside. Every machine computes the same spheres. An empty mesh gives none.
     ///
     /// ```
     /// use simdop::construct::OwnedMesh;
@@ -52,7 +52,7 @@ impl Mesh<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`CoverError`]; [`BuildError::Open`] in it if the mesh is not closed: [`Mesh::caps`] closes holes.
+    /// [`CoverError`], which contains [`BuildError::Open`] if the mesh is not closed ([`Mesh::caps`] closes holes).
     pub fn cover_solid(&self, error: f64) -> Result<Vec<Sphere>, CoverError> {
         check_closed(self).map_err(|unclosed| {
             CoverError::Mesh(match unclosed {
@@ -84,8 +84,8 @@ impl Mesh<'_> {
         Ok(cover.spheres.iter().map(sphere).collect())
     }
 
-    /// For each point, a radius within which every point is certainly inside of the solid; 0 for a point that is not.
-    /// `None` if the mesh is invalid or not closed.
+    /// For each point, a radius within which every point is certainly inside the solid; 0 for a point outside. `None`
+    /// if the mesh is invalid or not closed.
     #[cfg(feature = "planning")]
     pub(crate) fn depths_inside(&self, points: &[Point]) -> Option<Vec<f64>> {
         check_closed(self).ok()?;
@@ -106,7 +106,7 @@ impl Mesh<'_> {
 const LONGEST: f64 = 0.25;
 /// Margin around a patch, relative to the error. A smaller one takes more cubes, a larger one more spheres.
 const MARGIN: f64 = 0.125;
-/// Maximum number of patches per sphere below which centres are tried.
+/// Maximum number of patches, per sphere, under which candidate centres are tried.
 const TRIED: usize = 24;
 /// Bisection steps between the deepest valid centre and an invalid one.
 const HALVINGS: usize = 3;
@@ -176,7 +176,7 @@ impl<'s> SolidCover<'s> {
         Ok(())
     }
 
-    /// Of some spheres that cover a patch, the one that covers most of the uncovered area.
+    /// Among candidate spheres that cover a patch, the one that covers most of the uncovered area.
     fn best_sphere(&self, patches: &Patches, seed: &Patch) -> Sphere {
         // The centre is on the surface, up to roundings of the patch.
         let radius = (self.error - 4.0 * self.pad) * NARROW;

@@ -1,8 +1,8 @@
-//! Spheres around two bodies that both move.
+//! Compares the spheres around two bodies that both move.
 //!
-//! Centres are `f32`, with errors that are in the radii. A difference of coordinates, its square, and the sum of three
-//! are off by less than 8 u of the squared distance, u being 2^-24, as are the sum of the radii and its square; 2^-19 of
-//! the radii covers both.
+//! Centres are `f32`; the radii include their errors. The differences of coordinates, their squares, and the sum of the
+//! three are off by less than 8 u of the squared distance, with u = 2^-24. So are the sum of the radii and its square;
+//! 2^-19 of the radii covers both.
 
 use super::lanes::{Flags, LANES, Lane16, Point16, flag};
 use crate::exact::power_of_two;
@@ -10,12 +10,12 @@ use crate::exact::power_of_two;
 /// Allowance for roundings, relative to a radius.
 const ROUNDING: f64 = power_of_two(-19);
 
-/// The radius of a sphere, as [`are_apart`] takes it.
+/// The radius of a sphere in the form that [`are_apart`] takes.
 pub(super) fn radius(radius: f64) -> f32 {
     (radius * (1.0 + ROUNDING)) as f32
 }
 
-/// In which lanes two spheres are certainly apart.
+/// The lanes in which two spheres are certainly apart.
 #[inline(always)]
 pub(super) fn are_apart((a, of_a): (&Point16, &Lane16), (b, of_b): (&Point16, &Lane16)) -> Flags {
     let mut apart = [0_u32; LANES];

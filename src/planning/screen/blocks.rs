@@ -2,10 +2,10 @@
 
 use super::lanes::{LANES, Lane16, Point16};
 
-/// In place of a radius where there is no sphere: free, and met by nothing.
+/// Stands for the radius where there is no sphere: always free, and meets nothing.
 const NO_SPHERE: f32 = -1e18;
 
-/// Spheres about one centre on a link, with radii that hold wherever the lanes put the centre.
+/// Concentric spheres on a link, with radii that cover the error of the centre in the lanes.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct LaneSphere {
     pub(super) centre: [f32; 3],

@@ -1,22 +1,23 @@
 //! Forward kinematics of sixteen configurations, with a bound of their error.
 //!
 //! The frame of a link is rotated so that its joint's axis is the third: with a rotation `Q_i` that maps the third axis
-//! to that of joint i, the frame is `L_i Q_i = (L_p Q_p) C_i R_z(value)`, where the constant `C_i = Q_p^-1 O_i Q_i` has
-//! the joint's origin `O_i` in it. Points of a body are in that frame ([`LaneChain::on_link`]).
+//! to the axis of joint i, the frame is `L_i Q_i = (L_p Q_p) C_i R_z(value)`, where the constant `C_i = Q_p^-1 O_i Q_i`
+//! includes the joint's origin `O_i`. Points of a body are given in that frame ([`LaneChain::on_link`]).
 //!
-//! **Error.** Let u be 2^-24. The matrix of a parent is off by at most m in the spectral norm, and its translation by at
-//! most s. A constant is rounded by 2 u; a product of two matrices of at most 1.01 rounds by 3 u in each entry, 9 u in
-//! all; the rotation by sine and cosine that are 4 u off adds 6 u, and its six entries round by 2 u each, 6 u in all. So
-//! the matrix is off by at most `(1 + 2^-10) m + 32 u`, if m is below 2^-10. The translation of the constant, of length
-//! c, is off by u c, its image by another m c and 6 u c of rounding, and the sum by 4 u of the coordinates: at most
-//! `s + (m + 16 u) c + 4 u T`, where T bounds the coordinates. A translation along the axis is another of these. A point
-//! p of the link likewise. The frames in `f64` are themselves off by 2^-40 of the coordinates at most.
+//! **Error.** Let u be 2^-24. The matrix of a parent is off by at most m in the spectral norm, and its translation by
+//! at most s. A constant is rounded by 2 u; a product of two matrices of at most 1.01 rounds by 3 u in each entry, 9 u
+//! in all; the rotation, with a sine and cosine that are off by 4 u, adds 6 u, and its six entries round by 2 u each, 6
+//! u in all. So the matrix is off by at most `(1 + 2^-10) m + 32 u`, if m is below 2^-10. The translation of the
+//! constant, of length c, is off by u c, its image by another m c and 6 u c of rounding, and the sum by 4 u of the
+//! coordinates: at most `s + (m + 16 u) c + 4 u T`, where T bounds the coordinates. The same holds for a translation
+//! along the axis, and for a point p of the link. The frames in `f64` are themselves off by at most 2^-40 of the
+//! coordinates.
 //!
 //! **A link seen from another.** A point p of link b is `q = R_a^T (R_b p + t_b - t_a)` in the frame of link a, with
-//! matrices that are off by m and n. With d the sum of both reaches and of the length of p, which bounds the length of q,
-//! rounding adds at most 32 u d. The lanes' frame of a maps q to the image of p but for
-//! `(R_a R_a^T - 1) (R_b p + t_b - t_a)`, at most 2.01 m d; and where the scene has q is off by what it is of any point
-//! of link a as far away as d ([`LaneChain::error_seen_from`]).
+//! matrices that are off by m and n. Let d be the sum of both reaches and of the length of p, which bounds the length
+//! of q: rounding adds at most 32 u d. The lanes' frame of a maps q to the image of p up to `(R_a R_a^T - 1) (R_b p +
+//! t_b - t_a)`, at most 2.01 m d. The scene's position of q differs by the error of a point of link a at distance d
+//! ([`LaneChain::error_seen_from`]).
 
 use super::lanes::{ANGLE_ERROR, LANES, Lane16, MOST_TURNED, Point16, UNIT, sine_and_cosine};
 use crate::exact::power_of_two;
@@ -26,7 +27,7 @@ use crate::range::Point;
 use crate::vector::{cross, length, unit};
 use alloc::vec::Vec;
 
-/// What a joint adds to the error of a matrix.
+/// A joint's contribution to the error of a matrix.
 const JOINT: f64 = 26.0 * UNIT + 1.5 * ANGLE_ERROR;
 /// Largest accepted error of a matrix.
 const MOST_OFF: f64 = power_of_two(-10);
@@ -51,6 +52,25 @@ impl LaneFrame {
         OneFrame(one)
     }
 
+    /// The squared distance of a point from the third axis.
+    #[inline(always)]
+    pub(super) fn square_from_axis(&self, p: &Point16) -> Lane16 {
+        let mut square = [0.0; LANES];
+        for lane in 0..LANES {
+            let [x, y, z] = [0, 1, 2].map(
+                #[inline(always)]
+                |i| p[i][lane] - self.at[i][lane],
+            );
+            let [a, b, c] = [0, 1, 2].map(
+                #[inline(always)]
+                |i| self.rows[i][2][lane],
+            );
+            let (u, v, w) = (y * c - z * b, z * a - x * c, x * b - y * a);
+            square[lane] = (u * u + v * v) + w * w;
+        }
+        square
+    }
+
     /// The image of a point.
     #[inline(always)]
     pub(super) fn apply(&self, p: &[f32; 3]) -> Point16 {
@@ -70,7 +90,7 @@ impl LaneFrame {
 pub(super) struct OneFrame([[f32; 4]; 3]);
 
 impl OneFrame {
-    /// This frame in another.
+    /// This frame, relative to another.
     #[inline(always)]
     pub(super) fn seen_from(&self, other: &Self) -> Self {
         let (of, by) = (&self.0, &other.0);
@@ -98,7 +118,7 @@ impl OneFrame {
     }
 }
 
-/// How far a frame is from that of the scene.
+/// The difference of a frame from that of the scene.
 #[derive(Copy, Clone, Debug)]
 struct FrameError {
     matrix: f64,
@@ -123,7 +143,7 @@ struct LaneJoint {
 pub(super) struct LaneChain {
     base: LaneFrame,
     joints: Vec<LaneJoint>,
-    /// Of each link, the rotation Q.
+    /// The rotation Q of each link.
     turned: Vec<Pose>,
     errors: Vec<FrameError>,
 }
@@ -141,7 +161,7 @@ fn to_axis(axis: &Point) -> Pose {
 }
 
 impl LaneChain {
-    /// `None` if an angle may be too large, or the errors would be.
+    /// `None` if an angle or an error may be too large.
     pub(super) fn new(kinematics: &Kinematics<'_>) -> Option<Self> {
         let base = *kinematics.base();
         let reach = length(&base.translation());
@@ -193,17 +213,18 @@ impl LaneChain {
         self.turned.len()
     }
 
-    /// A point of a link, given in the frame of the description, in the frame here.
+    /// Maps a point of a link from the frame of the description to the rotated frame.
     pub(super) fn on_link(&self, link: usize, p: &Point) -> Point {
         self.turned[link].back_to(&[0.0; 3]).unflushed(p)
     }
 
-    /// Upper bound of the distance between the image of a point of a link, rounded to `f32`, and where the scene has it.
+    /// Upper bound of the distance between the image of a point of a link, rounded to `f32`, and its position in the
+    /// scene.
     pub(super) fn error(&self, link: usize, p: &Point) -> f64 {
         self.error_within(link, length(p))
     }
 
-    /// As [`LaneChain::error`], of all points that are so far from the link's origin.
+    /// As [`LaneChain::error`], for all points within `away` of the link's origin.
     fn error_within(&self, link: usize, away: f64) -> f64 {
         let error = self.errors[link];
         let coordinates = error.reach + away;
@@ -212,23 +233,31 @@ impl LaneChain {
             + (4.0 * UNIT + power_of_two(-40)) * coordinates
     }
 
-    /// What [`OneFrame::seen_from`] adds to the error of a point of link `b` at most, if the frame is that of link `a`.
+    /// Upper bound of the error, in lanes, of the distance between a point of a link and the axis of another link's
+    /// joint: the error of the axis plus the rounding of the distance.
+    pub(super) fn axis_error(&self, axis: usize, link: usize, p: &Point) -> f64 {
+        let away = self.reach_from_base(axis) + self.reach_from_base(link) + 2.0 * length(p);
+        self.error(axis, &[0.0; 3]) + (self.errors[axis].matrix + 32.0 * UNIT) * away
+    }
+
+    /// Upper bound of what [`OneFrame::seen_from`] adds to the error of a point of link `b`, if the frame is that of
+    /// link `a`.
     pub(super) fn error_seen_from(&self, a: usize, b: usize, p: &Point) -> f64 {
         let away = self.reach_from_base(a) + self.reach_from_base(b) + 2.0 * length(p);
         self.error_within(a, away) + (2.01 * self.errors[a].matrix + 32.0 * UNIT) * away
     }
 
-    /// A body on a link, given where it is in the frame of the description, in the frame here.
+    /// Maps the pose of a body on a link from the frame of the description to the rotated frame.
     pub(super) fn body_on_link(&self, link: usize, at: &Pose) -> Pose {
         self.turned[link].back_to(&[0.0; 3]).after(at)
     }
 
-    /// Upper bound of the distance of the origin of a link from the world's origin.
+    /// Upper bound of the distance of a link's origin from the world's origin.
     pub(super) fn reach(&self, link: usize) -> f64 {
         self.errors[link].reach
     }
 
-    /// Upper bound of the distance of the origin of a link from that of the base.
+    /// Upper bound of the distance of a link's origin from the base's origin.
     pub(super) fn reach_from_base(&self, link: usize) -> f64 {
         self.errors[link].reach - self.errors[0].reach + self.errors[link].translation
     }

@@ -21,15 +21,17 @@ pub(super) struct Field {
 #[derive(Clone, Debug)]
 pub(super) struct AskedBody {
     pub(super) body: usize,
-    /// Of a body that one variable moves, instead of spheres.
+    /// Used instead of the spheres, for a body that one variable moves.
     pub(super) table: Option<PairTable>,
     pub(super) whole: Radii16,
     pub(super) coarse: Radii16,
     pub(super) fine: Vec<Radii16>,
+    /// How much the sphere around it, and the spheres of its covers, may be enlarged.
+    pub(super) room: [f32; 2],
 }
 
 impl Field {
-    /// `more`: the allowance of tables. Of all moving bodies, the field has those of `key`.
+    /// The field of the moving bodies with the indices `key`. `more` is the allowance of tables.
     pub(super) fn new(
         around: &ScreenedScene<'_>,
         bodies: &[LaneBody],
@@ -41,9 +43,15 @@ impl Field {
         let ask = |&body: &usize| {
             let LaneBody { whole, coarse, fine, .. } = &bodies[body];
             let pairs = (around.links, &standing[..]);
-            let table = PairTable::of_body(&around.kinematics, around.scene, body, pairs, more)?;
+            let table = match bodies[body].carrier == body {
+                true => PairTable::of_body(&around.kinematics, around.scene, body, pairs, more)?,
+                // An attached object has no table.
+                false => None,
+            };
+            let largest = coarse.iter().chain(fine).map(|sphere| sphere.outer).fold(0.0, f64::max);
             Ok(AskedBody {
                 body,
+                room: [whole.outer, largest].map(|outer| grid.room(outer)),
                 table,
                 whole: all_lanes(of(whole.outer, whole.inner)),
                 coarse: radii(coarse, of),
@@ -52,7 +60,7 @@ impl Field {
         };
         let mut asked = key.iter().map(ask).collect::<Result<Vec<AskedBody>, SceneError>>()?;
         asked.retain(|asked| !asked.table.as_ref().is_some_and(PairTable::is_free));
-        // The last links of an arm meet something most often.
+        // The last links of an arm meet something most often, so they come first.
         asked.reverse();
         Ok(Self { key, grid, standing, asked })
     }

@@ -1,19 +1,21 @@
 //! A clearance grid: for each cell, bounds of the distance from its centre to everything that stands still.
 //!
 //! A cell has one byte k. In units of an eighth of the cell, the distance from its centre is at least k. It is at most
-//! `k + 1` plus what [`ClearanceGrid::above`] says, where that is less than the greatest radius of an inner sphere. The
-//! distance is 1-Lipschitz: at a point that is x from the centre, it differs by at most x. So a sphere of radius r about
-//! that point is free if `k / 8 - r > x`, and meets something if `r - (k + 1) / 8 - above > x`, in units of the cell.
+//! `k + 1` plus [`ClearanceGrid::above`], if that is less than the greatest radius of an inner sphere. The distance is
+//! 1-Lipschitz: at a point that is x from the centre, it differs by at most x. So a sphere of radius r about that point
+//! is free if `k / 8 - r > x`, and meets something if `r - (k + 1) / 8 - above > x`, in units of the cell.
 //!
-//! Cells are made by halving: a box of cells is asked at its centre. Where the distance is four times half the diagonal
-//! of the box, or beyond the largest sphere, the cells of the box need no question of their own.
+//! The grid is computed by halving boxes of cells, with a distance query at the centre of each box. If the distance is
+//! at least four times half the diagonal of the box, or exceeds the largest sphere, the cells of the box need no
+//! queries of their own. A query skips the bodies that are not the nearest anywhere in the box. If few are left and all
+//! are simple shapes, closed forms give the distances of all cells ([`super::rows`]).
 //!
-//! **Rounding.** A point in units of cells is off by less than 3 u of at most 512 cells, u being 2^-24, and so is its
-//! offset from the centre; products and comparisons add a few u. All of it is below 2^-11 cells, which every radius is
-//! changed by ([`ROUNDING`]).
+//! **Rounding.** A point in units of cells is off by less than 3 u of at most 512 cells, with u = 2^-24, and so is its
+//! offset from the centre; products and comparisons add a few u. The total is below 2^-11 cells, and every radius is
+//! changed by twice that ([`ROUNDING`]).
 
 use super::lanes::{Flags, LANES, Lane16, Point16, flag};
-use super::standing::Standing;
+use super::standing::{CandidateRange, Standing};
 use crate::exact::power_of_two;
 use crate::pose::Pose;
 use crate::range::Point;
@@ -30,15 +32,19 @@ const PARTS: f64 = 8.0;
 const MOST_ALONG: usize = 511;
 /// Largest number of cells.
 pub(super) const MOST_CELLS: f64 = power_of_two(22);
-/// Distance at which a box of cells is not divided, relative to half of its diagonal.
+/// Distance from which a box of cells is not divided, relative to half of its diagonal.
 const FAR: f64 = 4.0;
+/// Cells times bodies of a box that is not divided.
+const FEW: usize = 4096;
+/// Distances at a time.
+const ROW: usize = 64;
 /// Adding it rounds a number below 2^22 to an integer, in the lowest bits.
 const ROUND: f32 = 8_388_608.0;
 
-/// What a grid is made for.
+/// The parameters of a grid.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(super) struct GridSize {
-    /// Width of a cell, at least.
+    /// Minimum width of a cell.
     pub(super) cell: f64,
     /// Radius of the largest outer sphere.
     pub(super) outer: f64,
@@ -46,8 +52,8 @@ pub(super) struct GridSize {
     pub(super) inner: f64,
 }
 
-/// For each body of a robot: a grid around it in the frame of its link, and where the body is in that; none around a body
-/// that no other may meet.
+/// For each body of a robot: a grid around it in the frame of its link, and the body's pose in that frame. None for a
+/// body in no tested pair.
 pub(super) type LinkGrids = Vec<Option<(ClearanceGrid, Pose)>>;
 
 /// Bounds of distances, for all cells of a box.
@@ -60,12 +66,12 @@ pub(super) struct ClearanceGrid {
     count: [usize; 3],
     cells: Vec<u8>,
     size: GridSize,
-    /// How much a distance may exceed that of the byte, in the unit of length.
+    /// How much a distance may exceed the byte's upper bound, in the unit of length.
     above: f64,
 }
 
 impl ClearanceGrid {
-    /// Around everything between two corners. Outside of them, no sphere meets anything.
+    /// A grid over the box between two corners. Outside the box, no sphere meets anything.
     pub(super) fn new(
         standing: &mut Standing,
         [low, high]: [Point; 2],
@@ -87,7 +93,8 @@ impl ClearanceGrid {
             size,
             above: 0.0,
         };
-        grid.refine(standing, [0; 3], count)?;
+        let all = standing.all();
+        grid.refine(standing, all, [[0; 3], count])?;
         Ok(grid)
     }
 
@@ -99,7 +106,7 @@ impl ClearanceGrid {
         &self.size
     }
 
-    /// Whether it has all cells between two corners.
+    /// Whether the grid contains the box between two corners.
     pub(super) fn holds(&self, [low, high]: &[Point; 2]) -> bool {
         (0..3).all(|i| {
             let first = f64::from(self.first[i]);
@@ -108,7 +115,7 @@ impl ClearanceGrid {
         })
     }
 
-    /// Computes the cells between two corners again, and those near enough for a sphere to reach there.
+    /// Recomputes the cells between two corners, and those from which a sphere reaches there.
     pub(super) fn update(
         &mut self,
         standing: &mut Standing,
@@ -121,7 +128,11 @@ impl ClearanceGrid {
         };
         let from = [0, 1, 2].map(|i| index(low[i] - reach, i));
         let to = [0, 1, 2].map(|i| (index(high[i] + reach, i) + 1).min(self.count[i]));
-        if (0..3).all(|i| from[i] < to[i]) { self.refine(standing, from, to) } else { Ok(()) }
+        if (0..3).all(|i| from[i] < to[i]) {
+            let all = standing.all();
+            self.refine(standing, all, [from, to])?;
+        }
+        Ok(())
     }
 
     /// The centre of a cell, or the middle of several.
@@ -129,54 +140,117 @@ impl ClearanceGrid {
         [0, 1, 2].map(|i| f64::from(self.first[i]) + self.cell * (0.5 * doubled[i] as f64))
     }
 
+    /// Computes the cells of a box. `among`: the bodies that may be nearest to the centre of a cell of it.
     fn refine(
         &mut self,
         standing: &mut Standing,
-        from: [usize; 3],
-        to: [usize; 3],
+        among: CandidateRange,
+        [from, to]: [[usize; 3]; 2],
     ) -> Result<(), SceneError> {
         let width = [0, 1, 2].map(|i| to[i] - from[i]);
         let centre = self.centre([0, 1, 2].map(|i| from[i] + to[i] - 1));
-        // Of the centres of the cells.
+        // Half of the diagonal of the box of cell centres.
         let half = 0.5 * self.cell * length(&width.map(|x| (x - 1) as f64));
         let widest = (1..3).fold(0, |most, i| if width[i] > width[most] { i } else { most });
-        let [lower, upper] = standing.distance(&centre, self.size.outer + half + self.cell)?;
+        let cutoff = self.size.outer + half + self.cell;
+        let ([lower, upper], near) = standing.distance(&centre, cutoff, among, half)?;
         let is_far = lower - half >= self.size.inner + self.cell && lower >= FAR * half;
         if width[widest] == 1 || is_far || lower - half >= self.size.outer {
-            self.fill(from, to, &centre, [lower, upper]);
+            self.fill([from, to], &centre, [lower, upper]);
+            return Ok(());
+        }
+        if width[0] * width[1] * width[2] * near.count() <= FEW
+            && let Some(error) = standing.simple(near, &centre, half)
+        {
+            self.fill_rows([from, to], standing, near, error);
             return Ok(());
         }
         let (mut middle, mut next) = (to, from);
         middle[widest] = from[widest] + width[widest] / 2;
         next[widest] = middle[widest];
-        self.refine(standing, from, middle)?;
-        self.refine(standing, next, to)
+        self.refine(standing, near, [from, middle])?;
+        self.refine(standing, near, [next, to])
     }
 
-    fn fill(&mut self, from: [usize; 3], to: [usize; 3], centre: &Point, [lower, upper]: [f64; 2]) {
+    /// The length that a byte counts, and the greatest byte.
+    fn levels(&self) -> (f64, f64) {
         let unit = self.cell / PARTS;
-        let most = (self.size.outer / unit).min(255.0);
+        (unit, (self.size.outer / unit).min(255.0))
+    }
+
+    /// Sets a cell whose distance has these bounds.
+    #[inline(always)]
+    fn set(&mut self, index: usize, [lower, upper]: [f64; 2], (unit, most): (f64, f64)) {
+        let k = (lower / unit - ROUNDING).clamp(0.0, most) as u8;
+        self.cells[index] = k;
+        // Also if the distance is beyond the greatest byte.
+        if f64::from(k) * unit <= self.size.inner {
+            self.above = self.above.max(upper - (f64::from(k) + 1.0) * unit);
+        }
+    }
+
+    /// The cells of a box, near to simple shapes only.
+    fn fill_rows(
+        &mut self,
+        [from, to]: [[usize; 3]; 2],
+        standing: &Standing,
+        near: CandidateRange,
+        error: f64,
+    ) {
+        let levels = self.levels();
+        let mut distances = [0.0; ROW];
         for x in from[0]..to[0] {
             for y in from[1]..to[1] {
-                for z in from[2]..to[2] {
-                    let away = length(&difference(&self.centre([x, y, z].map(|i| 2 * i)), centre));
-                    let k = ((lower - away) / unit - ROUNDING).clamp(0.0, most) as u8;
-                    self.cells[(x * self.count[1] + y) * self.count[2] + z] = k;
-                    if f64::from(k) * unit <= self.size.inner {
-                        self.above = self.above.max(upper + away - f64::from(k + 1) * unit);
+                let row = (x * self.count[1] + y) * self.count[2];
+                for first in (from[2]..to[2]).step_by(ROW) {
+                    let distances = &mut distances[..(to[2] - first).min(ROW)];
+                    standing.row(near, &self.centre([x, y, first].map(|i| 2 * i)), self.cell, distances);
+                    for (z, distance) in distances.iter().enumerate() {
+                        self.set(row + first + z, [distance - error, distance + error], levels);
                     }
                 }
             }
         }
     }
 
-    /// The radii of a sphere in cells: of the outer one, which holds all, and of the inner one, negative if nothing meets
-    /// it for certain.
+    /// The cells of a box whose centre has these bounds.
+    fn fill(&mut self, [from, to]: [[usize; 3]; 2], centre: &Point, [lower, upper]: [f64; 2]) {
+        let levels = self.levels();
+        let (start, width) = (self.first, self.cell);
+        let square = |i: usize, cell: usize| {
+            let off = f64::from(start[i]) + width * cell as f64 - centre[i];
+            off * off
+        };
+        for x in from[0]..to[0] {
+            for y in from[1]..to[1] {
+                let beside = square(0, x) + square(1, y);
+                let row = (x * self.count[1] + y) * self.count[2];
+                for z in from[2]..to[2] {
+                    let away = libm::sqrt(beside + square(2, z));
+                    self.set(row + z, [lower - away, upper + away], levels);
+                }
+            }
+        }
+    }
+
+    /// The radii in cells of an outer and an inner sphere, rounded so that look-ups are certain. The inner one is
+    /// negative if it is too small for a certain hit.
     pub(super) fn radii(&self, outer: f64, inner: f64) -> [f32; 2] {
-        // Upper bounds hold up to the largest inner sphere that the grid is made for.
+        // The upper bounds hold up to the largest inner sphere that the grid supports.
         let inner = (inner.min(self.size.inner) - self.above) / self.cell - (1.0 / PARTS + ROUNDING);
         let outer = (outer / self.cell + ROUNDING) * (1.0 + power_of_two(-22));
         [outer as f32, if inner > 0.0 { (inner * (1.0 - power_of_two(-22))) as f32 } else { -1.0 }]
+    }
+
+    /// How much an outer sphere may be enlarged.
+    pub(super) fn room(&self, outer: f64) -> f32 {
+        ((self.size.outer - outer) * (1.0 - power_of_two(-22))) as f32
+    }
+
+    /// A length in cells.
+    #[inline(always)]
+    pub(super) fn in_cells(&self, length: f32) -> f32 {
+        length * self.per_cell * (1.0 + power_of_two(-20) as f32)
     }
 
     /// Which of sixteen spheres are certainly free, and which certainly meet something.

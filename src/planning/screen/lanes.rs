@@ -1,23 +1,23 @@
 //! Sixteen numbers at a time, one for each configuration.
 //!
-//! Plain arrays and loops over them: the compiler makes vectors of them inside of a function that is compiled for an
-//! instruction set. No operation is fused, and none comes from a library, so every instruction set gives the same bits.
+//! Plain loops over arrays, which the compiler vectorizes in functions compiled for an instruction set. No operation is
+//! fused, and none comes from a library, so every instruction set gives the same bits.
 //!
-//! **Sine and cosine.** An angle of at most [`MOST_TURNED`] is reduced in `f64` to `r = angle - k pi/2` with two parts
-//! of pi/2, the first of 33 bits, so that its product with k is exact: r is off by less than 2^-40, and its `f32` by
-//! 2^-25. `abs(r)` is at most pi/4 + 2^-25. The series of the sine ends before `r^11 / 11!`, that of the cosine before
-//! `r^10 / 10!`, both below 2^-25. The last addition rounds by at most 2^-25, and the operations before it by less than
-//! eight units of 2^-24 of 0.31. In all that is less than [`ANGLE_ERROR`].
+//! **Sine and cosine.** An angle of at most [`MOST_TURNED`] is reduced in `f64` to `r = angle - k pi/2` with pi/2 in
+//! two parts, the first of which has 33 bits, so that its product with k is exact: r is off by less than 2^-40, and its
+//! `f32` by 2^-25. `abs(r)` is at most pi/4 + 2^-25. The series of the sine ends before `r^11 / 11!`, that of the
+//! cosine before `r^10 / 10!`, both below 2^-25. The last addition rounds by at most 2^-25, and the operations before
+//! it by less than eight units of 2^-24 of 0.31. In all that is less than [`ANGLE_ERROR`].
 
 use crate::exact::power_of_two;
 
-/// Configurations at a time.
+/// Number of configurations tested at a time.
 pub(in crate::planning) const LANES: usize = 16;
 
 /// A number for each of sixteen configurations.
 pub(super) type Lane16 = [f32; LANES];
 
-/// A point for each of them.
+/// A point for each of sixteen configurations.
 pub(super) type Point16 = [Lane16; 3];
 
 /// Relative rounding error of an operation.
@@ -80,7 +80,7 @@ pub(super) const fn flag(lane: usize, holds: bool) -> u32 {
 mod tests {
     use super::*;
 
-    /// Against the library's sine in `f64`, over quarters of both signs and near their ends.
+    /// Compares with the library's sine in `f64`, in quadrants of both signs and near their ends.
     #[test]
     fn sines_are_within_their_error() {
         let mut random = crate::random::SplitMix64(1);
@@ -106,7 +106,7 @@ mod tests {
             let end = f64::from(k) * core::f64::consts::FRAC_PI_4;
             check(&core::array::from_fn(|i| end + (i as f64 - 7.5) * 1e-8));
         }
-        // The bound is no more than four times what occurs, so that the test would see a worse polynomial.
+        // The bound is at most four times the observed error, so the test would detect a worse polynomial.
         assert!(worst > 0.25 * ANGLE_ERROR && tried > 1_000_000, "{worst} of {tried}");
     }
 }

@@ -1,25 +1,29 @@
-//! Verdicts of sixteen configurations at a time by bounds that are cheap and certain.
+//! Decides sixteen configurations at a time by cheap, conservative bounds.
 //!
-//! Each body of the robot is covered by spheres, and some spheres are inside of it ([`links`]). Where they are in
-//! sixteen configurations, up to a bound of the error, follows from kinematics in lanes ([`chain`]). Everything that
-//! stands still is in clearance grids ([`grid`]), so that one look-up a sphere says free, met, or neither. Of two bodies
-//! that both move, one has a grid of its own, which the spheres of the other are looked up in; a [`table`] comes first
-//! where their relative pose depends on few joints.
+//! Spheres cover each body of the robot, and other spheres lie inside it ([`links`]). Kinematics in lanes give their
+//! positions in sixteen configurations, up to a bound of the error ([`chain`]). Clearance grids hold everything that
+//! stands still ([`grid`]), so one look-up per sphere says that it is free, that it meets something, or neither. If two
+//! bodies both move, the spheres of one are looked up in a grid around the other; if their relative pose depends on few
+//! joints, a [`table`] comes first.
 //!
-//! Whatever stays open is a pair of bodies in a lane, and goes to the scene. So verdicts are those of the scene: where
-//! the bounds say free, the bodies are farther apart than the rounding of the scene's poses, and where they say met,
-//! deeper in each other.
+//! The scene decides each pair of bodies that stays open in a lane. So the verdicts are those of the scene: if the
+//! bounds say free, the bodies are farther apart than the rounding of the scene's poses; if they say that the bodies
+//! meet, the penetration is deeper than that rounding.
 
 mod apart;
 mod blocks;
 mod bodies;
 mod chain;
 mod decide;
+mod doubts;
 mod field;
 mod grid;
 mod lanes;
+mod levers;
 mod links;
 mod robot;
+mod rows;
+mod spans;
 mod standing;
 mod table;
 #[cfg(test)]
@@ -27,7 +31,7 @@ mod tests;
 mod whole;
 
 pub(super) use bodies::ScreenedScene;
-pub(super) use decide::{Doubts, LaneVerdicts, OpenPair};
+pub(super) use doubts::{Doubts, LaneVerdicts, MotionByBounds, OpenPair};
 pub(super) use lanes::LANES;
 pub(super) use robot::RobotBounds;
 pub(super) use whole::Screen;

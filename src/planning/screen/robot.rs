@@ -1,4 +1,4 @@
-//! What is made once for a robot: its bodies as spheres, grids around some of them, and tables of pairs.
+//! Data computed once per robot: its bodies as spheres, grids around some of them, and tables of pairs.
 
 use super::chain::LaneChain;
 use super::grid::{ClearanceGrid, GridSize, LinkGrids};
@@ -8,6 +8,7 @@ use super::table::{PairTables, tables};
 use crate::exact::power_of_two;
 use crate::isa::Isa;
 use crate::motion::{Kinematics, LinkBody};
+use crate::parallel;
 use crate::planning::{LinkGeometry, PlanningNode};
 use crate::pose::Pose;
 use crate::query::Query;
@@ -16,17 +17,17 @@ use crate::vector::length;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Cells along the diagonal of a body in the grid around it.
+/// Number of cells along the diagonal of a body, in the grid around it.
 const ALONG: f64 = 64.0;
-/// Most cells of such a grid.
+/// Maximum number of cells of such a grid.
 const CELLS: f64 = power_of_two(18);
-/// Room for the errors of the lanes, relative to a radius.
+/// Allowance for the errors of the lanes, relative to a radius.
 const MORE: f64 = 1.125;
 
-/// The bounds of a robot, wherever it stands.
+/// The bounds of a robot that do not depend on its surroundings.
 #[derive(Clone, Debug)]
 pub(in crate::planning) struct RobotBounds {
-    /// Of each body.
+    /// The spheres of each body.
     pub(super) spheres: Vec<LinkSpheres>,
     pub(super) tables: PairTables,
     pub(super) grids: LinkGrids,
@@ -35,14 +36,18 @@ pub(in crate::planning) struct RobotBounds {
 }
 
 impl RobotBounds {
-    /// With the base at the origin. `None` if a body cannot be covered, or the joints turn or reach too far.
+    /// The bounds of a robot, with its base at the origin. `None` if a body cannot be covered, or the joints rotate or
+    /// reach too far.
     pub(in crate::planning) fn of(
         kinematics: &Kinematics<'_>,
         bodies: &[LinkGeometry],
         pairs: &[(usize, usize)],
     ) -> Option<Self> {
         let chain = LaneChain::new(kinematics)?;
-        let spheres: Vec<LinkSpheres> = bodies.iter().map(LinkSpheres::of).collect::<Option<_>>()?;
+        let mut spheres = vec![None; bodies.len()];
+        let jobs = spheres.iter_mut().zip(bodies).collect();
+        parallel::for_each(jobs, |(): &mut (), (spheres, body)| *spheres = LinkSpheres::of(body));
+        let spheres: Vec<LinkSpheres> = spheres.into_iter().collect::<Option<_>>()?;
         let reach = |(spheres, body): (&LinkSpheres, &LinkBody)| {
             let away = length(&body.at.translation()) + length(&spheres.whole.centre) + spheres.whole.outer;
             chain.reach_from_base(body.link as usize) + 2.0 * away
@@ -50,14 +55,18 @@ impl RobotBounds {
         let size = spheres.iter().zip(kinematics.bodies()).map(reach).fold(0.0, f64::max);
         let mut bounds =
             Self { spheres, tables: PairTables::default(), grids: vec![None; bodies.len()], size };
-        for body in pairs.iter().flat_map(|&(i, j)| [i, j]) {
-            if bounds.grids[body].is_none() {
-                let at = chain
-                    .body_on_link(kinematics.bodies()[body].link as usize, &kinematics.bodies()[body].at);
-                let grid = bounds.grid_around(body, &at, &bodies[body]).ok()?;
-                bounds.grids[body] = Some((grid, at));
-            }
+        let mut grids = bounds.grids.clone();
+        let is_of_a_pair = |body: usize| pairs.iter().any(|&(i, j)| i == body || j == body);
+        let jobs = grids.iter_mut().enumerate().filter(|(body, _)| is_of_a_pair(*body)).collect();
+        parallel::for_each(jobs, |(): &mut (), (body, grid)| {
+            let on_link = &kinematics.bodies()[body];
+            let at = chain.body_on_link(on_link.link as usize, &on_link.at);
+            *grid = bounds.grid_around(body, &at, &bodies[body]).ok().map(|grid| (grid, at));
+        });
+        if (0..bodies.len()).any(|body| is_of_a_pair(body) && grids[body].is_none()) {
+            return None;
         }
+        bounds.grids = grids;
         let of = (bodies, &bounds.spheres[..], &bounds.grids);
         bounds.tables = tables(kinematics, of, pairs, size).ok()?;
         Some(bounds)
@@ -80,7 +89,7 @@ impl RobotBounds {
         let outer = spheres().map(|sphere| sphere.outer).fold(0.0, f64::max) * MORE;
         let mut scene: Scene<'static, PlanningNode> = Scene::new();
         let id = scene.insert(geometry.body(), at)?;
-        // A body may be in it through a hole and meet nothing.
+        // A body may reach in through a hole and meet nothing.
         let has_caps = scene.has_caps(id)?;
         let inner = if has_caps { 0.0 } else { spheres().map(|sphere| sphere.inner).fold(0.0, f64::max) };
         let bounds = scene.bounds_of(id)?;

@@ -1,20 +1,22 @@
 //! Pairs of a robot's bodies whose relative pose depends on one to three variables: a table over their values.
 //!
-//! Each cell of the table says that the bodies meet nowhere in it, or everywhere, as [`Scene::classify_pair`] certifies
-//! boxes, or neither. Boxes of many cells are asked first, and halved where they are not certain. A box is also certain
-//! where a sphere inside of one body reaches into the other, by a grid around that, deeper than any point moves in the box.
+//! Each cell of the table says that the bodies meet nowhere in it, everywhere in it, or neither is certain, as
+//! [`Scene::classify_pair`] certifies boxes. The construction starts with boxes of many cells, and halves those that
+//! are not certain. The bodies also certainly meet in a box if a sphere inside one reaches into the other, according to
+//! the other's grid, deeper than any point moves in the box.
 //!
-//! The other variables move both bodies as one, and change only the rounding of their poses, which is in the allowance
-//! [`ROUNDING`]. Boxes are larger than their cells by 2^-30 of the limits, more than a value can be off when its cell is
-//! looked up.
+//! The other variables move both bodies together, and change only the rounding of their poses, which the allowance
+//! [`ROUNDING`] covers. Boxes are larger than their cells by 2^-30 of the limits, more than the error of a value in a
+//! look-up.
 
 use super::blocks::{LaneSphere, block, radii};
 use super::grid::{ClearanceGrid, LinkGrids};
-use super::lanes::{LANES, mask};
+use super::lanes::{LANES, Lane16, mask};
 use super::links::LinkSpheres;
 use crate::exact::power_of_two;
 use crate::isa::Isa;
 use crate::motion::Kinematics;
+use crate::parallel;
 use crate::planning::{LinkGeometry, PlanningNode};
 use crate::pose::Pose;
 use crate::primitive::Sphere;
@@ -25,20 +27,26 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Cells along each variable, for one, two and three of them.
+/// Number of cells along each variable, for one, two and three variables.
 const ALONG: [usize; 3] = [1024, 256, 40];
-/// Allowance for the rounding of poses, relative to the size of the robot. The base is at most 2^8 sizes away, and poses
-/// are off by less than 2^-40 of the coordinates.
+/// Allowance for the rounding of poses, relative to the size of the robot. The base is at most 2^8 sizes away, and
+/// poses are off by less than 2^-40 of the coordinates.
 pub(super) const ROUNDING: f64 = power_of_two(-30);
-/// By how much a box is larger than its cells, relative to the limits.
+/// The enlargement of a box beyond its cells, relative to the limits.
 const WIDER: f64 = power_of_two(-30);
+/// The enlargement of a span, for roundings.
+const WIDER_SPAN: f64 = power_of_two(-18);
 /// Adding it rounds a number below 2^31 to an integer, in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// What a cell says.
+/// The verdict of a cell, in the lowest bits.
 const ASK: u8 = 0;
 const FREE: u8 = 1;
 const MEET: u8 = 2;
+const SAYS: u8 = 3;
+/// The upper bits hold the distance in cells, along all axes, within which all cells are free, up to a maximum.
+const AROUND: u8 = 4;
+const MOST_AROUND: usize = 63;
 
 /// A variable of a table.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -55,7 +63,7 @@ struct TableAxis {
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct PairTable {
     axes: Vec<TableAxis>,
-    /// None if all are free.
+    /// Empty if all cells are free.
     cells: Vec<u8>,
 }
 
@@ -63,7 +71,7 @@ pub(super) struct PairTable {
 #[derive(Clone, Default, Debug)]
 pub(super) struct PairTables {
     all: Vec<PairTable>,
-    /// By the indices of the bodies, the lower one first.
+    /// Keyed by the indices of the bodies, the lower one first.
     of: BTreeMap<(usize, usize), usize>,
 }
 
@@ -97,7 +105,7 @@ fn between(kinematics: &Kinematics<'_>, links: [u32; 2]) -> BTreeSet<usize> {
     a.symmetric_difference(&b).map(|&joint| kinematics.joints()[joint].variable() as usize).collect()
 }
 
-/// Tables of those pairs that depend on few variables.
+/// Tables of the pairs that depend on few variables.
 pub(super) fn tables(
     kinematics: &Kinematics<'_>,
     (bodies, spheres, grids): (&[LinkGeometry], &[LinkSpheres], &LinkGrids),
@@ -110,27 +118,38 @@ pub(super) fn tables(
         .map(|body| scene.insert(body.body(), &Pose::IDENTITY))
         .collect::<Result<Vec<_>, _>>()?;
     let mut tables = PairTables::default();
+    let mut jobs = Vec::new();
     for &(i, j) in pairs {
-        let links = [i, j].map(|body| kinematics.bodies()[body].link);
-        let variables = between(kinematics, links);
+        let variables = between(kinematics, [i, j].map(|body| kinematics.bodies()[body].link));
         if (1..=ALONG.len()).contains(&variables.len()) {
-            let _ = tables.of.insert((i.min(j), i.max(j)), tables.all.len());
-            let pair = (ids[i], ids[j]);
-            let inside = [i, j].map(|body| (&spheres[body].inside[..], grids[body].as_ref()));
-            let more = ROUNDING * size;
-            tables.all.push(PairTable::new(kinematics, &mut scene, &ids, pair, &variables, more, inside)?);
+            let _ = tables.of.insert((i.min(j), i.max(j)), jobs.len());
+            jobs.push(([i, j], variables));
         }
     }
+    let mut made: Vec<Option<Result<PairTable, SceneError>>> = vec![None; jobs.len()];
+    let more = ROUNDING * size;
+    // Each thread has its own scene, with shared trees.
+    parallel::for_each(
+        made.iter_mut().zip(&jobs).collect(),
+        |own: &mut Option<_>, (made, (pair, variables))| {
+            let scene = own.get_or_insert_with(|| scene.clone());
+            let inside = pair.map(|body| (&spheres[body].inside[..], grids[body].as_ref()));
+            let [a, b] = pair.map(|body| ids[body]);
+            *made = Some(PairTable::new(kinematics, scene, &ids, (a, b), variables, more, inside));
+        },
+    );
+    tables.all = made.into_iter().flatten().collect::<Result<_, _>>()?;
     Ok(tables)
 }
 
-/// Whether the bodies meet in a box of values, everywhere or nowhere.
+/// Whether the bodies meet everywhere in a box of values, or nowhere. `None` if neither is certain.
 type AskBox<'q> = dyn FnMut(&[Vec<f64>; 2]) -> Result<Option<bool>, SceneError> + 'q;
 
-/// Spheres inside of a body, and a grid around it, with the body's pose there.
+/// Spheres inside a body, and a grid around it, with the body's pose in the grid's frame.
 type InnerSpheres<'s> = (&'s [Sphere], Option<&'s (ClearanceGrid, Pose)>);
 
-/// Whether a sphere inside of a body reaches into the other at the middle of a box, deeper than any point moves in it.
+/// Whether a sphere inside either body reaches into the other at the middle of a box, deeper than any point moves in
+/// the box.
 fn do_overlap([a, b]: [InnerSpheres<'_>; 2], class: &BoxClass) -> bool {
     let [at_a, at_b] = &class.poses;
     let is_in = |of: InnerSpheres<'_>, at: &Pose, other: InnerSpheres<'_>, at_other: &Pose| {
@@ -139,7 +158,7 @@ fn do_overlap([a, b]: [InnerSpheres<'_>; 2], class: &BoxClass) -> bool {
     is_in(b, at_b, a, at_a) || is_in(a, at_a, b, at_b)
 }
 
-/// Whether a sphere of a body reaches deeper than `path` into what a grid is around.
+/// Whether a sphere of a body reaches deeper than `path` into the body in a grid.
 fn reaches_in(
     spheres: &[Sphere],
     at: &Pose,
@@ -164,7 +183,7 @@ fn reaches_in(
 }
 
 impl PairTable {
-    /// Of a body that one variable moves, against bodies that stand still. `None` for other bodies.
+    /// The table of a body that one variable moves, against bodies that stand still. `None` for other bodies.
     pub(super) fn of_body(
         kinematics: &Kinematics<'_>,
         scene: &Scene<'static, PlanningNode>,
@@ -188,12 +207,12 @@ impl PairTable {
         Ok(all)
     }
 
-    /// Free where both are, and met where one is.
+    /// The cells that are free in both tables are free; those that meet in either meet.
     fn and(self, other: Self) -> Self {
         if self.is_free() {
             return other;
         }
-        let says = |(a, b): (&u8, &u8)| match (*a, *b) {
+        let says = |(a, b): (&u8, &u8)| match (*a & SAYS, *b & SAYS) {
             (MEET, _) | (_, MEET) => MEET,
             (FREE, FREE) => FREE,
             _ => ASK,
@@ -202,7 +221,40 @@ impl PairTable {
             true => self.cells,
             false => self.cells.iter().zip(&other.cells).map(says).collect(),
         };
-        Self { cells, ..other }
+        let mut both = Self { cells, ..other };
+        both.look_around();
+        both
+    }
+
+    /// Writes to each free cell the distance in cells within which all cells are free.
+    fn look_around(&mut self) {
+        let count = [0, 1, 2].map(|i| self.axes.get(i).map_or(1, |axis| axis.cells));
+        // Distance to the nearest cell that is not free: the largest difference along the axes so far.
+        let far = |says: &u8| if *says & SAYS == FREE { 1 + MOST_AROUND } else { 0 };
+        let mut away: Vec<usize> = self.cells.iter().map(far).collect();
+        let mut line = Vec::new();
+        for axis in 0..3 {
+            let stride: usize = count[axis + 1..].iter().product();
+            for first in (0..away.len()).filter(|place| (place / stride).is_multiple_of(count[axis])) {
+                line.clear();
+                line.extend((0..count[axis]).map(|i| away[first + i * stride]));
+                for i in 0..line.len() {
+                    let mut least = line[i];
+                    for by in 1..=MOST_AROUND {
+                        if by >= least {
+                            break;
+                        }
+                        for of in [i.checked_sub(by), Some(i + by)].into_iter().flatten() {
+                            least = least.min(line.get(of).map_or(least, |away| by.max(*away)));
+                        }
+                    }
+                    away[first + i * stride] = least;
+                }
+            }
+        }
+        for (cell, away) in self.cells.iter_mut().zip(&away) {
+            *cell = (*cell & SAYS) + AROUND * away.saturating_sub(1) as u8;
+        }
     }
 
     fn new(
@@ -230,7 +282,7 @@ impl PairTable {
                 let is_certain = class.is_everywhere || class.is_meeting && do_overlap(inside, &class);
                 Ok(is_certain.then_some(class.is_meeting))
             };
-            // The values of all other variables do not matter.
+            // The values of the other variables are irrelevant.
             let any: Vec<f64> =
                 kinematics.limits().iter().map(|[low, high]| 0.0_f64.clamp(*low, *high)).collect();
             let (from, to) = ([0; 3], [0, 1, 2].map(|i| table.axes.get(i).map_or(1, |axis| axis.cells)));
@@ -239,6 +291,7 @@ impl PairTable {
         if table.cells.iter().all(|says| *says == FREE) {
             table.cells = Vec::new();
         }
+        table.look_around();
         Ok(table)
     }
 
@@ -288,9 +341,21 @@ impl PairTable {
         }
     }
 
-    /// In which lanes the bodies certainly do not meet, and in which they do, as masks.
+    /// Masks of the lanes in which the bodies certainly do not meet, and of those in which they certainly do.
     #[inline(always)]
     pub(super) fn look_up(&self, values: &[[f64; LANES]]) -> [u16; 2] {
+        self.look_up_around(values, &[0.0; LANES])
+    }
+
+    /// The length of a motion of the variables in cells, along the axis where it is the longest.
+    pub(super) fn cells_along(&self, [from, to]: [&[f64]; 2]) -> f32 {
+        let along = |axis: &TableAxis| (to[axis.variable] - from[axis.variable]).abs() * axis.per_unit;
+        (self.axes.iter().map(along).fold(0.0, f64::max) * (1.0 + WIDER_SPAN)) as f32
+    }
+
+    /// As [`PairTable::look_up`], where free means free within `around` cells of the values, along each axis.
+    #[inline(always)]
+    pub(super) fn look_up_around(&self, values: &[[f64; LANES]], around: &Lane16) -> [u16; 2] {
         let mut index = [0_u32; LANES];
         for axis in &self.axes {
             let (of, last, stride) = (&values[axis.variable], (axis.cells - 1) as f64, axis.cells as u32);
@@ -304,8 +369,9 @@ impl PairTable {
         let [mut free, mut meet] = [0_u16; 2];
         for (lane, index) in index.iter().enumerate() {
             let says = self.cells.get(*index as usize).copied().unwrap_or(ASK);
-            free |= u16::from(says & FREE) << lane;
-            meet |= u16::from(says >> 1) << lane;
+            let is_free = says & SAYS == FREE && f32::from(says / AROUND) >= around[lane];
+            free |= u16::from(is_free) << lane;
+            meet |= u16::from(says & SAYS == MEET) << lane;
         }
         [free, meet]
     }

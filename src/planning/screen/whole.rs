@@ -6,6 +6,7 @@ use super::chain::LaneChain;
 use super::field::Field;
 use super::grid::{ClearanceGrid, GridSize};
 use super::lanes::LANES;
+use super::levers::Levers;
 use super::robot::RobotBounds;
 use super::standing::{PROBE, Standing};
 use super::table::{PairTable, ROUNDING};
@@ -17,10 +18,10 @@ use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// Most grids.
+/// Maximum number of grids.
 const MOST_FIELDS: usize = 4;
 
-/// Bodies that stand still, by the moving bodies that are tested against them.
+/// Bodies that stand still, keyed by the moving bodies that are tested against them.
 type StandingGroups = BTreeMap<Vec<usize>, Vec<BodyId>>;
 
 /// A pair of bodies of the robot with a table.
@@ -30,10 +31,12 @@ pub(super) struct TabledPair {
     pub(super) pair: BodyPair,
 }
 
-/// Two bodies of the robot: the spheres of either in a grid around the other.
+/// Two bodies of the robot: the spheres of each are looked up in a grid around the other.
 #[derive(Clone, Debug)]
 pub(super) struct BodyPair {
     pub(super) bodies: [usize; 2],
+    /// For each body, the number of joints that move it but not the other.
+    pub(super) joints: [usize; 2],
     pub(super) seen: Vec<SeenBody>,
 }
 
@@ -44,34 +47,39 @@ pub(super) struct SeenBody {
     pub(super) bodies: [usize; 2],
     pub(super) coarse: Radii16,
     pub(super) fine: Vec<Radii16>,
+    /// How much the spheres may be enlarged.
+    pub(super) room: f32,
 }
 
 /// The bounds of a robot among bodies that stand still.
 #[derive(Clone, Debug)]
 pub(crate) struct Screen {
     pub(super) chain: LaneChain,
+    pub(super) levers: Levers,
     pub(super) bodies: Vec<LaneBody>,
     pub(super) fields: Vec<Field>,
     /// Pairs of bodies of the robot that have no table.
     pub(super) pairs: Vec<BodyPair>,
     pub(super) bounds: Arc<RobotBounds>,
     pub(super) tabled: Vec<TabledPair>,
-    /// Whether bodies meet that do not move.
+    /// Whether bodies that do not move meet.
     pub(super) is_blocked: bool,
     pub(super) cell: f64,
 }
 
 impl Screen {
-    /// With cells of this width. `None` if the bounds do not cover such a robot or scene.
+    /// Makes the bounds with cells of this width. `None` if they do not cover such a robot or scene.
     pub(in crate::planning) fn new(
         around: &ScreenedScene<'_>,
         bounds: &Arc<RobotBounds>,
         cell: f64,
     ) -> Result<Option<Self>, SceneError> {
         let Some(chain) = LaneChain::new(&around.kinematics) else { return Ok(None) };
-        let Some(bodies) = lane_bodies(around, &chain, bounds) else { return Ok(None) };
+        let Some(bodies) = lane_bodies(around, &chain, bounds)? else { return Ok(None) };
+        let levers = Levers::new(&around.kinematics, &chain, &bodies, ROUNDING * bounds.size);
         let mut screen = Self {
             chain,
+            levers,
             bodies,
             fields: Vec::new(),
             pairs: Vec::new(),
@@ -92,9 +100,9 @@ impl Screen {
 
     /// The pairs of bodies of the robot that are tested.
     fn set_pairs(&mut self, around: &ScreenedScene<'_>) -> Result<(), SceneError> {
-        for i in 0..around.links.len() {
-            for j in i + 1..around.links.len() {
-                let bodies = [i, j].map(|body| around.links[body]);
+        for i in 0..self.bodies.len() {
+            for j in i + 1..self.bodies.len() {
+                let bodies = [i, j].map(|body| self.bodies[body].id);
                 if !around.scene.is_asked(bodies[0], bodies[1])? {
                     continue;
                 }
@@ -111,17 +119,17 @@ impl Screen {
         Ok(())
     }
 
-    /// First the spheres of the smaller body, whose cover is closer.
+    /// The spheres of the smaller body come first: its cover is tighter.
     fn pair(&self, bodies @ [i, j]: [usize; 2]) -> BodyPair {
         let first = if self.bodies[i].whole.outer < self.bodies[j].whole.outer { [j, i] } else { [i, j] };
         let seen = [first, [first[1], first[0]]].into_iter().filter_map(|bodies| self.seen(bodies));
-        BodyPair { bodies, seen: seen.collect() }
+        BodyPair { bodies, joints: self.levers.to_common(bodies), seen: seen.collect() }
     }
 
-    /// The spheres of the second body in the grid around the first. `None` if there is no grid, or not one for spheres as
+    /// The spheres of the second body in the grid around the first. `None` if there is no grid that supports spheres as
     /// large as these.
     fn seen(&self, bodies @ [a, b]: [usize; 2]) -> Option<SeenBody> {
-        let ([p, q], (grid, _)) = ([&self.bodies[a], &self.bodies[b]], self.bounds.grids[a].as_ref()?);
+        let ([p, q], (grid, _)) = ([&self.bodies[a], &self.bodies[b]], self.bounds.grids.get(a)?.as_ref()?);
         let seen = |sphere: &LaneSphere| {
             let more = self.chain.error_seen_from(p.link, q.link, &sphere.centre.map(f64::from));
             LaneSphere { outer: sphere.outer + more, inner: sphere.inner - more, ..*sphere }
@@ -130,11 +138,12 @@ impl Screen {
         let largest = coarse.iter().chain(&fine).map(|sphere| sphere.outer).fold(0.0, f64::max);
         let of = |outer: f64, inner: f64| grid.radii(outer, inner);
         let fine = fine.chunks(LANES).map(|block| radii(block, of)).collect();
-        (largest <= grid.size().outer).then(|| SeenBody { bodies, coarse: radii(&coarse, of), fine })
+        let room = grid.room(largest);
+        (largest <= grid.size().outer).then(|| SeenBody { bodies, coarse: radii(&coarse, of), fine, room })
     }
 
-    /// The bodies that stand still, by the moving ones that are tested against them. `None` if an object moves.
-    fn groups(&self, around: &ScreenedScene<'_>) -> Result<Option<StandingGroups>, SceneError> {
+    /// The bodies that stand still, keyed by the moving bodies that are tested against them.
+    fn groups(&self, around: &ScreenedScene<'_>) -> Result<StandingGroups, SceneError> {
         let mut groups = StandingGroups::new();
         let moving = || self.bodies.iter().enumerate().filter(|(_, body)| body.is_moving());
         let own = self.bodies.iter().filter(|body| !body.is_moving()).map(|body| body.id);
@@ -144,7 +153,7 @@ impl Screen {
         }
         for &id in around.objects {
             if around.scene.attached_to(id)?.is_some() {
-                return Ok(None);
+                continue;
             }
             let mut asked = Vec::new();
             for (i, body) in moving() {
@@ -154,17 +163,17 @@ impl Screen {
             }
             groups.entry(asked).or_default().push(id);
         }
-        Ok(Some(groups))
+        Ok(groups)
     }
 
-    /// Makes all grids. False if there would be too many, or an object moves.
+    /// Makes all grids. False if there would be too many.
     fn set_fields(&mut self, around: &ScreenedScene<'_>) -> Result<bool, SceneError> {
         self.fields.clear();
         self.update_fields(around, None)
     }
 
-    /// After the body `id` was inserted, moved or removed: computes what is near the boxes around it before and after.
-    /// False if the bounds no longer apply.
+    /// Updates the cells near the boxes around the body `id`, before and after it was inserted, moved or removed. False
+    /// if the bounds no longer apply.
     pub(in crate::planning) fn update(
         &mut self,
         around: &ScreenedScene<'_>,
@@ -179,7 +188,7 @@ impl Screen {
         around: &ScreenedScene<'_>,
         changed: Option<(BodyId, &[Box3])>,
     ) -> Result<bool, SceneError> {
-        let Some(mut groups) = self.groups(around)? else { return Ok(false) };
+        let mut groups = self.groups(around)?;
         self.set_blocked(around, &groups)?;
         groups.retain(|asked, _| !asked.is_empty());
         if groups.len() > MOST_FIELDS {
@@ -250,13 +259,13 @@ impl Screen {
             || asked.iter().flat_map(|&i| self.bodies[i].fine.iter().chain([&self.bodies[i].whole]));
         let mut inner = spheres().map(|sphere| sphere.inner).fold(0.0, f64::max);
         for &id in standing {
-            // A body may be in it through a hole and meet nothing.
+            // A body may reach in through a hole and meet nothing.
             if around.scene.has_caps(id)? {
                 inner = 0.0;
             }
         }
         let outer = spheres().map(|sphere| sphere.outer).fold(0.0, f64::max);
-        // A cell more than the largest sphere, which is then free where it is a cell away.
+        // Two cells more than the largest sphere, so that a sphere enlarged by one cell can still be certainly free.
         Ok(GridSize { cell: self.cell, outer: outer.max(inner) + 2.0 * self.cell, inner })
     }
 

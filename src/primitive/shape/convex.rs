@@ -24,15 +24,15 @@ impl Shape {
     /// A shape from its core and radius.
     ///
     /// # Errors
-    /// [`ShapeError`] if a number is out of range, a radius is negative, a length that must not be zero is, or the half
-    /// edges of a cuboid are not perpendicular within [`Pose::TOLERANCE`].
+    /// [`ShapeError`] if a number is out of range, a radius is negative, a required length is zero, or the half edges
+    /// of a cuboid are not perpendicular within [`Pose::TOLERANCE`].
     pub fn new(core: Core, radius: f64) -> Result<Self, ShapeError> {
         core.check()?;
         error::length_or_zero(radius)?;
         Ok(Self { core, radius })
     }
 
-    /// A shape of numbers that are known to be valid.
+    /// A shape from numbers that are known to be valid.
     #[inline(always)]
     pub(crate) const fn unchecked(core: Core, radius: f64) -> Self {
         Self { core, radius }
@@ -50,7 +50,7 @@ impl Shape {
         Self::new(Core::Point([0.0; 3]), error::length(radius)?)
     }
 
-    /// A capsule about the origin, along z: `height` is the distance of the centres of its two hemispheres.
+    /// A capsule about the origin, along z: `height` is the distance between the centres of its two hemispheres.
     ///
     /// # Errors
     /// [`ShapeError`] if one of the two is not a positive length.

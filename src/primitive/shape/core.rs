@@ -1,4 +1,4 @@
-//! What a radius widens.
+//! The core of a shape, which a radius widens.
 
 use super::error::{self, ShapeError};
 use crate::pose::Pose;
@@ -43,8 +43,8 @@ pub enum Core {
     /// All points p with `normal . p <= offset`.
     HalfSpace {
         /// Points outwards. The largest component is between 1/2 and 1 up to rounding
-        /// ([`Shape::half_space`](super::Shape::half_space) scales it by a power of two); of a moved one, at least 1/4
-        /// and at most 2.
+        /// ([`Shape::half_space`](super::Shape::half_space) scales it by a power of two); for a moved half-space,
+        /// between 1/4 and 2.
         normal: Point,
         /// In units of the normal's length.
         offset: f64,
@@ -115,7 +115,7 @@ impl Core {
 
 #[cfg(test)]
 impl Core {
-    /// With each number of it replaced, in order; a normal stays.
+    /// Replaces each number of the core, in order, except a normal.
     pub(super) fn map(&self, mut number: impl FnMut(f64) -> f64) -> Self {
         let mut vector = |v: Point| v.map(&mut number);
         match *self {

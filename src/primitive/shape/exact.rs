@@ -5,8 +5,11 @@
 //!
 //! **Which pairs.** Polytopes (points, segments, triangles, cuboids) against each other, with any radii and margin.
 //! Half-spaces against everything. Cylinders and cones against polytopes if radii and margin are zero, and against
-//! points in any case. Other pairs are algebraic of a higher degree.
+//! points in any case. Other pairs would need algebraic numbers of a higher degree.
+//!
+//! [`aligned`] decides most pairs that touch a hundred times faster.
 
+pub(super) mod aligned;
 mod half_space;
 mod integers;
 mod polytope;
@@ -76,7 +79,7 @@ fn polytope_is_within(a: &Core, b: &Core, unit: i32, reach: &Degree1) -> bool {
     polytopes::meet(&a, &b) || reach.sign() > 0 && polytopes::is_near(&a, &b, reach)
 }
 
-/// The numbers of a core that are lengths, and zeros. A half-space has its offset: normals have a unit of their own.
+/// The lengths of a core, then zeros. For a half-space only the offset, since normals have their own unit.
 fn lengths(core: &Core) -> [f64; 12] {
     let mut lengths = [0.0; 12];
     match core {

@@ -6,10 +6,12 @@
 //! * **Apart:** a direction along which the gap between the cores is wide enough. Any direction gives a lower bound of
 //!   the distance.
 //!
+//! Shapes along the coordinate axes are decided in integers instead ([`aligned`]), if the first certificates fail.
+//!
 //! How the points and directions are found needs no error analysis. In what follows, u = 2^-53, the origin is the
-//! reference point of A's core (an end, the centre), and `size` is at least the norm of the difference of the reference
-//! points plus, for each core, the greatest distance of its points from its reference point. Sums of magnitudes give
-//! it; their relative errors are below 2^-48, which the constants include.
+//! reference point of A's core (an end, the centre), and `size` is at least the norm of the difference of the
+//! reference points plus, for each core, the greatest distance of its points from its reference point. It is computed
+//! as sums of magnitudes; their relative errors are below 2^-48, which the constants include.
 //!
 //! **Products.** Coordinates are multiples of 2^-302 below 2^302, so that products of two differences neither underflow
 //! nor overflow. Tests with products of more factors require `size` in 2^-100 .. 2^100. Then underflow adds at most
@@ -19,7 +21,9 @@ mod axes;
 mod bodies;
 mod half_space;
 mod margins;
+mod pair_and_margin;
 mod pairs;
+mod round;
 mod search;
 mod simplex;
 // Miri does not run libm's square roots.
@@ -28,10 +32,12 @@ mod simplex;
 pub(crate) mod tests;
 
 use self::bodies::{Segment, Supported};
-use self::margins::FEW;
-use crate::exact::power_of_two;
+use self::margins::{FEW, compare};
+use self::pair_and_margin::PairAndMargin;
+use crate::exact::{power_of_two, two_sum};
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
+use crate::primitive::shape::exact::aligned;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -43,10 +49,11 @@ pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     if margin < 0.0 || margin.is_nan() {
         return None;
     }
-    match (&a.core, &b.core) {
+    let certain = match (&a.core, &b.core) {
         (Core::Point(p), Core::Point(q)) => {
             let d = difference(q, p);
             compare_squares(dot(&d, &d), reach)
+                .or_else(|| compare_on_axis(p, q, [a.radius, b.radius, margin]))
         }
         (Core::Point(p), Core::Segment(s)) | (Core::Segment(s), Core::Point(p)) => {
             let (d, s) = (difference(p, &s[0]), Segment::new(s, [0.0; 3]));
@@ -57,14 +64,16 @@ pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
             search::segments(&Segment::new(s, [0.0; 3]), &Segment::new(t, d), reach)
         }
         (Core::HalfSpace { .. }, _) | (_, Core::HalfSpace { .. }) => half_space::decide(a, b, reach),
-        _ => pairs::decide(a, b, reach),
-    }
+        _ => return pairs::decide(&PairAndMargin { a, b, margin, reach }),
+    };
+    certain.or_else(|| aligned::decide(a, b, margin))
 }
 
 /// Whether the norm of a vector of exact differences, rounded once, is at most `reach`.
 ///
-/// Every term of `square` is positive and the result of at most 6 roundings, and so is `reach * reach`; products do not
-/// underflow or overflow but for reaches below 2^-500, whose square is far below that of any nonzero difference.
+/// Every term of `square` is positive and the result of at most 6 roundings, and so is `reach * reach`; products do
+/// not underflow or overflow except for reaches below 2^-500, whose square is far below that of any nonzero
+/// difference.
 #[inline]
 fn compare_squares(square: f64, reach: f64) -> Option<bool> {
     let other = reach * reach;
@@ -77,6 +86,16 @@ fn compare_squares(square: f64, reach: f64) -> Option<bool> {
     }
 }
 
+/// Two points on a line parallel to an axis, if the distance and the reach are sums without a rounding.
+#[inline]
+fn compare_on_axis(p: &Point, q: &Point, [r, s, margin]: [f64; 3]) -> Option<bool> {
+    let [x, y, z] = [0, 1, 2].map(|k| two_sum(q[k], -p[k]));
+    let (reach, rest) = two_sum(r, s);
+    let is_exact = rest == 0.0 && margin == 0.0 && x.1 == 0.0 && y.1 == 0.0 && z.1 == 0.0;
+    let is_on_axis = [x, y, z].iter().filter(|d| d.0 == 0.0).count() >= 2;
+    (is_exact && is_on_axis).then(|| x.0.abs() + y.0.abs() + z.0.abs() <= reach)
+}
+
 /// A point against a segment from the origin.
 ///
 /// The parameter of the nearest point is off by a relative 4 u of `|d| / |edge|` before it is clamped, so the computed
@@ -86,18 +105,4 @@ fn from_point(d: &Point, segment: &Segment, reach: f64) -> Option<bool> {
     let n = difference(d, &segment.nearest(d));
     let size = (d[0].abs() + d[1].abs() + d[2].abs()) + segment.size();
     compare(dot(&n, &n), reach, size * power_of_two(-48))
-}
-
-/// Compares the root of a computed `square` with `reach`, where the root's error is at most `error` plus a few
-/// relative roundings.
-#[inline]
-fn compare(square: f64, reach: f64, error: f64) -> Option<bool> {
-    let (inner, outer) = (reach - error, reach + error);
-    if inner > 0.0 && square * (1.0 + FEW) < inner * inner {
-        Some(true)
-    } else if square > outer * outer * (1.0 + FEW) {
-        Some(false)
-    } else {
-        None
-    }
 }

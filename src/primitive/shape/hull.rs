@@ -13,9 +13,9 @@ const MOST: usize = 16;
 /// Allowance for the roundings of a corner: a dozen, relative to the sum of the magnitudes.
 const ROUNDING: f64 = power_of_two(-48);
 
-/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is
-/// within [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius,
-/// so that discs are bounded with as much room in all directions.
+/// A moved disc is perpendicular to the moved axis and has the same radius. The pose's matrix, which is within
+/// [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere, by up to this fraction of the radius. So
+/// discs are bounded with that much room in all directions.
 const SKEW: f64 = power_of_two(-11);
 const _: () = assert!(SKEW > 4.0 * Pose::TOLERANCE);
 
@@ -85,7 +85,7 @@ impl Hull {
 
 /// The radius of [`Hull::of`], without its corners.
 pub(super) fn radius_of(shape: &Shape) -> f64 {
-    // With the allowance for rounding of corners, for a sum of magnitudes.
+    // Includes the allowance for the rounding of corners, relative to a sum of magnitudes.
     let widened =
         |radius: f64, size: f64| (radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
     match &shape.core {

@@ -10,11 +10,11 @@ use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::dot;
 
-/// The range of [`Solid`]'s `size`: products of two sizes and two error bounds are normal numbers. Smaller shapes count
-/// as of the least size.
+/// The range of [`Solid`]'s `size`: products of two sizes and two error bounds are normal numbers. Smaller shapes get
+/// the least size.
 const LEAST: f64 = power_of_two(-20);
 const GREATEST: f64 = power_of_two(30);
-/// Shorter half edges of cuboids are not treated.
+/// Cuboids with shorter half edges are not decided.
 const SHORTEST: f64 = power_of_two(-60);
 
 /// One shape with `N` half edges.
@@ -31,11 +31,11 @@ pub struct Solid<const N: usize> {
     /// The sum of the magnitudes of the coordinates of `centre` and `half`, or more: kernels allow for errors in
     /// proportion to it. Infinite for a shape that is not decided.
     pub size: f32,
-    /// The reciprocal of the square of each half edge, about; 0 for one of length 0.
+    /// The approximate reciprocal of the square of each half edge; 0 for one of length 0.
     pub inverse: [f32; N],
     /// The greatest dot product of a half edge with the difference of a point of the core and the centre. Rounded up.
     pub extent: [f32; N],
-    /// The length of each half edge, about.
+    /// The approximate length of each half edge.
     pub length: [f32; N],
     /// The greatest cosine of the angle between two half edges. Rounded up.
     pub skew: f32,
@@ -161,7 +161,7 @@ impl<const N: usize> SolidLanes<N> {
         used: 0,
     };
 
-    /// The first of some shapes, at most sixteen. `None` if one of them is not of `N` half edges ([`Solid::new`]).
+    /// The first sixteen of some shapes. `None` if one of them does not have `N` half edges ([`Solid::new`]).
     #[must_use]
     pub fn new(shapes: &[Shape]) -> Option<Self> {
         let mut lanes = Self::EMPTY;

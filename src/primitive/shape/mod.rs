@@ -7,7 +7,7 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 //!
-//! **Exactness.** Of two shapes, with R the sum of their radii and the margin:
+//! **Exactness.** For two shapes, with R the sum of their radii and the margin:
 //!
 //! | pair | verdict |
 //! |---|---|
@@ -18,9 +18,9 @@
 //! | the same with R > 0 | certain if free; a hit may be 2^-40 of the size apart |
 //! | cylinders and cones among each other | certain if free; a hit may be 2^-40 of the size apart |
 //!
-//! The convex hull of points is a body of triangles, with their exactness: `construct::ConvexHull`.
+//! The convex hull of points is a body of triangles, decided as exactly as these: `construct::ConvexHull`.
 //!
-//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]); of hulls of points, both are
+//! Distances ([`separation`]) and depths ([`depth`]) are certain bounds, also for hulls of points
 //! ([`signed_separation`]).
 //!
 //! ```

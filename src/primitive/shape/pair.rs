@@ -1,11 +1,12 @@
 //! Two shapes in one frame: do they meet or come within a margin, and what is their distance?
 //!
-//! A filter in plain `f64` decides most pairs. Certified bounds of the distance decide the rest, and what these cannot
-//! is decided exactly, in integers, if it is the sign of a rational number; the table in [`super`] says where it is. Of
-//! other pairs the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
+//! A filter in plain `f64` decides most pairs, and certified bounds of the distance most others. The rest is decided
+//! exactly, in integers, if the decision is the sign of a rational number: the table in [`super`] lists these pairs.
+//! For other pairs the bounds decide, which are within 2^-40 of the size of the two: only a pair that is certainly
+//! free is free.
 
 use super::bounds::{Certified, bounds};
-use super::exact;
+use super::exact::{self, aligned};
 use super::fast::decide;
 use crate::primitive::Separation;
 use crate::primitive::shape::convex::Shape;
@@ -25,9 +26,9 @@ pub fn is_within(a: &Shape, b: &Shape, margin: f64) -> bool {
     is_near(a, b, if margin > 0.0 { margin } else { 0.0 }, &mut 0)
 }
 
-/// Bounds of the distance of two shapes, and their closest points; `None` if it is certainly greater than `limit`. The
-/// bounds differ by at most `tolerance` relatively, but not less than 2^-42, or by 2^-40 of the size of the two. Of
-/// shapes that meet, both points are within 2^-26 of the size from a common one.
+/// Bounds of the distance between two shapes, and their closest points; `None` if the distance is certainly greater
+/// than `limit`. The bounds differ by at most a relative `tolerance`, which is at least 2^-42, or by 2^-40 of the size
+/// of the two. If the shapes meet, both points are within 2^-26 of the size of a common point.
 #[must_use]
 pub fn separation(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option<Separation> {
     nearer(a, b, limit, if tolerance > TIGHT { tolerance } else { TIGHT }, &mut 0)
@@ -51,7 +52,7 @@ fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
     if lower > margin {
         return false;
     }
-    // A lower bound of 0 says nothing; an upper one of 0 that they certainly meet.
+    // A lower bound of 0 proves nothing; an upper bound of 0 proves that they meet.
     upper == 0.0 || upper <= margin || exact::is_within(a, b, margin).unwrap_or(true)
 }
 
@@ -72,7 +73,7 @@ pub(crate) fn nearer(
         (found.lower, found.upper)
     } else {
         *exact += 1;
-        let meets = exact::is_within(a, b, 0.0).unwrap_or(true);
+        let meets = aligned::decide(a, b, 0.0).or_else(|| exact::is_within(a, b, 0.0)).unwrap_or(true);
         // Apart by less than the bounds resolve.
         (0.0, if meets { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
     };

@@ -16,7 +16,7 @@ pub enum Convex<'p> {
     Shape(Shape),
     /// The hull of points, each moved by the pose. They may be in any order, and need not be corners of the hull.
     Hull {
-        /// The points. Their coordinates are those of a body's vertices.
+        /// The points. The range of coordinates is that of a body's vertices.
         points: &'p [Point],
         /// Where they are.
         pose: Pose,
@@ -26,7 +26,7 @@ pub enum Convex<'p> {
 /// How far two convex sets are apart, or how deep they are in each other.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct SignedSeparation {
-    /// Lower bound: above 0 only if the two are certainly apart. Of two that meet, minus the upper bound of the depth.
+    /// Lower bound: above 0 only if the two are certainly apart. If they meet, minus the upper bound of the depth.
     pub lower: f64,
     /// Upper bound: below 0 only if the two certainly overlap.
     pub upper: f64,
@@ -39,15 +39,15 @@ pub struct SignedSeparation {
     pub b: Point,
 }
 
-/// A hull may be as flat as this and touch, relative to the tolerance of distances.
+/// The least relative tolerance.
 const TIGHT: f64 = power_of_two(-42);
 
 /// Bounds of the signed separation of two convex sets in one frame: their distance, or minus their depth.
 ///
 /// The bounds differ by at most `tolerance` times the greater of them, or by rounding, about 2^-45 of the coordinates.
-/// Of round shapes that meet they may be wider: the search ends with 128 faces for two shapes ([`depth`]), and
-/// with 512 for hulls. A point in many corners costs time only in proportion to their number: 2^-42 of a distance
-/// takes some 20 looks at all points, a depth as many as 256.
+/// For round shapes that meet they may be wider: the search ends with 128 faces for two shapes ([`depth`]), and with
+/// 512 for hulls. The time is proportional to the number of points of a hull: a distance to 2^-42 takes some 20 passes
+/// over all points, a depth up to 256.
 ///
 /// An empty hull is infinitely far from anything, and two half-spaces may overlap infinitely.
 ///
@@ -98,7 +98,7 @@ pub fn signed_separation(a: &Convex<'_>, b: &Convex<'_>, tolerance: f64) -> Sign
     }
 }
 
-/// Without its radius, and the radius.
+/// The set without its radius, and the radius.
 fn side<'p>(set: &Convex<'p>) -> (ConvexBody<'p>, f64) {
     match *set {
         Convex::Shape(shape) => (ConvexBody::Shape(shape), shape.radius()),

@@ -143,7 +143,7 @@ impl Primitive for Shapes {
         store.vertex(vertex).unchecked().unwrap_or_default()
     }
 
-    /// Of a polytope around the core.
+    /// The corners of a polytope around the core.
     #[inline(always)]
     fn corners(item: &Shape) -> impl Iterator<Item = Point> {
         Hull::of(item).corners()
@@ -163,7 +163,7 @@ impl Primitive for Shapes {
             | Core::Cuboid { centre: p, .. }
             | Core::Cylinder { centre: p, .. }
             | Core::Cone { base: p, .. } => p,
-            // Not of a tree.
+            // Trees contain no half-spaces.
             Core::HalfSpace { .. } => [0.0; 3],
         }
     }

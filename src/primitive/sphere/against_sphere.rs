@@ -31,8 +31,8 @@ pub(crate) fn is_within(a: &Sphere, b: &Sphere, margin: f64, exact: &mut u64) ->
     excess(a, b, margin) <= 0.0
 }
 
-/// The distance of the two, or `None` if it is certainly greater than `limit`. The relative difference of the bounds is
-/// at most `tolerance`, which is at least 2^-42.
+/// The distance between the two, or `None` if it is certainly greater than `limit`. The relative difference of the
+/// bounds is at most `tolerance`, which is at least 2^-42.
 #[inline(always)]
 pub(crate) fn nearer(
     a: &Sphere,
@@ -72,8 +72,8 @@ pub(in crate::primitive) fn bounds_of_gap(difference_of_squares: f64, sum: f64) 
     (lower, if upper > f64::MIN_POSITIVE { upper } else { f64::MIN_POSITIVE })
 }
 
-/// The squared distance of the centres minus the square of the radii plus the margin. Its sign is exact, and its value
-/// is accurate to 2^-50.
+/// The squared distance between the centres minus the square of the radii plus the margin. Its sign is exact, and its
+/// value is accurate to 2^-50.
 #[cold]
 #[inline(never)]
 fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
@@ -89,7 +89,7 @@ fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
     excess.minus(&reach.times(&reach)).over(&OfDegreeOne::new(1.0, 0), 2 * unit)
 }
 
-/// The point of each that is nearest to the other. `between` is the distance of the centres.
+/// The point of each that is nearest to the other. `between` is the distance between the centres.
 #[inline(always)]
 fn nearest_points(a: &Sphere, b: &Sphere, between: f64) -> [Point; 2] {
     let (p, q) = (&a.centre, &b.centre);

@@ -1,10 +1,10 @@
-//! The distance of two closed triangles, as certain bounds, and the closest points.
+//! The distance between two closed triangles, as certain bounds, and the closest points.
 //!
 //! # Why the bounds hold
 //!
-//! *Upper bound:* the distance of two points on the triangles. Any two points give a valid bound, so rounding in the
-//! search for them cannot invalidate it. Only the evaluation of the points and of their distance has an error, which is
-//! at most `32 u size`.
+//! *Upper bound:* the distance between two points on the triangles. Any two points give a valid bound, so rounding in
+//! the search for them cannot invalidate it. Only the evaluation of the points and of their distance has an error,
+//! which is at most `32 u size`.
 //!
 //! *Lower bound:* triangles A and B are at least as far apart as their projections on any axis n,
 //!
@@ -42,7 +42,8 @@ pub(crate) const TIGHT: f64 = power_of_two(-42);
 /// Allowance for rounding in each of the two bounds, in units of `u size`.
 pub(super) const ROUNDINGS: f64 = 32.0;
 
-/// The distance of two closed triangles, to twelve digits, and their closest points. Zero if and only if they meet.
+/// The distance between two closed triangles, to twelve digits, and their closest points. Zero if and only if they
+/// meet.
 ///
 /// The coordinates must be within the [range](super#range); corners may coincide or be collinear.
 ///

@@ -1,7 +1,7 @@
 //! Numbers of 106 bits: an unevaluated sum of two `f64` (Dekker 1971; Joldes, Muller & Popescu, *Tight and rigorous
 //! error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 2017).
 //!
-//! The distance of two triangles uses them where 53 bits do not suffice. No fused multiply-add: Veltkamp's method
+//! The distance between two triangles uses them where 53 bits do not suffice. No fused multiply-add: Veltkamp's method
 //! splits the factors of a product, so the bits are the same on every platform.
 
 use super::features::Real;

@@ -24,7 +24,7 @@ impl Intersection {
 
     const NONE: Self = Self { points: [[0.0; 3]; Self::MOST], len: 0 };
 
-    /// The corners: of a point one, of a segment its two ends, of a polygon three to six, in order around it.
+    /// The corners: one for a point, the two ends of a segment, or three to six for a polygon, in order around it.
     #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points[..self.len]
@@ -117,7 +117,7 @@ fn piercing(needle: &Triangle, t: &Triangle, signs: &mut Signs) -> Point {
     on_plane(t, p, q, signs)
 }
 
-/// The point of the segment `pq` in the plane of `t`. Not both ends are in it, and not both on one side.
+/// The point of the segment `pq` in the plane of `t`. The ends are not both in the plane, nor both on one side of it.
 fn on_plane(t: &Triangle, p: &Point, q: &Point, signs: &mut Signs) -> Point {
     // In one order, so that triangles with a common edge get the same point.
     let (p, q) = (least(p, q), greatest(p, q));

@@ -46,7 +46,7 @@ pub struct Probe<'t> {
     pub(crate) triangle: &'t Triangle,
     pub(crate) plane: Plane,
     /// [`Probe::is_apart`] adds this to the magnitude of each coordinate of a point, relative to a plane, in the error
-    /// bound of a determinant. The bound so grows by the margin times the sum of the normal's magnitudes, and hence by
+    /// bound of a determinant. So the bound grows by the margin times the sum of the normal's magnitudes, and hence by
     /// more than the determinant of a point at the distance `margin` from the plane.
     pub(crate) away: f64,
 }
@@ -59,7 +59,7 @@ impl<'t> Probe<'t> {
         Self::with_margin(triangle, 0.0)
     }
 
-    /// For a triangle within the [range](super#range), and others that count as near within `margin`.
+    /// For a triangle within the [range](super#range). Others within `margin` count as near.
     #[inline(always)]
     #[must_use]
     pub fn with_margin(triangle: &'t Triangle, margin: f64) -> Self {

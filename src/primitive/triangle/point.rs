@@ -50,7 +50,7 @@ fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     let [p, q, r] = corners;
     let (u, v) = (difference(q, p), difference(r, p));
     let normal = cross(&u, &v);
-    // For a triangle without area NaN or infinite, so not in the face.
+    // NaN or infinite for a triangle without area, so the point is not in the face.
     let inverse = -1.0 / dot(&normal, &normal);
     let s = dot(p, &cross(&v, &normal)) * inverse;
     let t = dot(p, &cross(&normal, &u)) * inverse;

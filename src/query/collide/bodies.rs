@@ -1,14 +1,14 @@
 //! The two bodies of a traversal.
 //!
-//! **Which body is rotated.** The one whose k-DOPs grow less ([`Header::rotation_growth`]). In a traversal `a` is that
-//! body and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are rotated by
-//! the pose, or by its inverse ([`InversePose`]). Primitives are always tested with the pose applied to those of the
-//! query's A: [`Placing`] records which body that is.
+//! **Which body is rotated.** A query rotates the body whose k-DOPs grow less ([`Header::rotation_growth`]). In a
+//! traversal, `a` is that body and `b` the one that keeps its frame, whichever of the query's A and B they are: the
+//! pose or its inverse ([`InversePose`]) rotates volumes of a. Primitive tests always apply the pose to the primitives
+//! of the query's A: [`Placing`] records which body that is.
 //!
-//! **Different sizes.** Two nodes are opened at once only if their volumes are of similar width. Otherwise a small body
-//! would be traversed to its leaves while the other is still at nodes larger than all of it, and every pair of such a
-//! leaf and such a node overlaps. So the wider node is opened alone, and its children are tested against the narrower
-//! volume as a whole, until the two are similar. The widths are in the links ([`Width`]).
+//! **Different sizes.** A visit opens two nodes at once only if their volumes are of similar width. Otherwise the
+//! traversal would reach the leaves of a small body while the other body is still at nodes larger than all of the small
+//! one, and every such leaf overlaps every such node. So a visit opens the wider node alone, and tests its children
+//! against the narrower volume as a whole, until the two are similar. The links hold the widths ([`Width`]).
 
 use super::stack::{Next, Volumes};
 use crate::hierarchy::BvhRef;
@@ -46,13 +46,13 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
         Self { a, b, placing, map, units: b.frame().exponent - a.frame().exponent }
     }
 
-    /// By how many powers of two volume `a` is wider than volume `b`.
+    /// Binary logarithm of the width of volume `a` divided by that of volume `b`.
     #[inline(always)]
     pub(super) const fn excess(&self, a: Width, b: Width) -> i32 {
         a.excess(b, -self.units)
     }
 
-    /// Whose children are next.
+    /// Selects the nodes to open next.
     #[inline(always)]
     pub(super) fn opened(&self, a: Child, b: Child) -> Descent {
         match (a.link(), b.link()) {
@@ -81,7 +81,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
         self.b.nodes()[node as usize].children()[lane]
     }
 
-    /// The pair of children of a bit on the stack.
+    /// The pair of volumes that a bit on the stack stands for.
     #[inline(always)]
     pub(super) fn below(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
         let mut below = volumes;

@@ -8,7 +8,7 @@ use core::ops::ControlFlow;
 pub(in crate::query) enum Stop {
     /// The visitor stopped it.
     Visitor,
-    /// The budget is spent. `upper`: the distance of two corners below a pending pair.
+    /// The budget is spent. `upper` is the distance of two corners below a pending pair.
     Budget { upper: f64 },
 }
 

@@ -1,5 +1,5 @@
-//! Leaves on cores that have no `f64`: tested with corners on an integer lattice where that is certain, otherwise as on
-//! all machines. Which of the two decides changes no verdict, no plane and no query statistics ([`LatticeProbe`]).
+//! Tests of leaves on cores without `f64` hardware: with corners on an integer lattice where the result is certain, and
+//! otherwise as on all machines. The choice changes no verdict, no plane and no query statistics ([`LatticeProbe`]).
 
 use super::flow::{Flow, Stop};
 use crate::frame::Frame;
@@ -13,7 +13,7 @@ use crate::query::setup::{PlacedTree, Placing, Side};
 use crate::realign::ALL;
 use core::ops::ControlFlow;
 
-/// The lattice of a query, made when first needed; none if the bodies have none.
+/// The lattice of a query, made when first needed; the inner `None` if the bodies have none.
 #[derive(Default, Debug)]
 pub(super) struct TestLattice(Option<Option<Lattice>>);
 
@@ -85,8 +85,8 @@ fn meet<N: Lanes, One: PrimitivePair<Other>, Other: PrimitivePair<One>>(
     One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)
 }
 
-/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, where they are certain. Returns a bit for
-/// each of the others.
+/// The planes of leaf `a`, placed by `placing`, in a frame of b, where they are certain. Returns a bit for each other
+/// plane.
 #[inline(always)]
 pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     lattice: &mut TestLattice,

@@ -19,7 +19,7 @@ pub(super) struct Leaves<'t> {
 }
 
 impl<'t> Leaves<'t> {
-    /// Those among `bits`.
+    /// The leaves among `bits`.
     #[inline(always)]
     fn among(children: &'t [Child], bits: u16) -> Self {
         let mut lanes = 0;
@@ -130,7 +130,7 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
         }
         for i in one.link().primitives() {
             let item = placing.item_a(a, i);
-            // Closures without `inline` became calls, outside of the gate.
+            // Closures without `inline` became calls outside the gate.
             decide_one::<P, Q, E, M>(
                 kernel,
                 (self.margin, &mut self.ahead),
@@ -185,7 +185,7 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
     }
 }
 
-/// Tests one primitive, of the query's A or B, against those of some leaves, four at a time through the filter. With a
+/// Tests one primitive, of the query's A or B, against the primitives of some leaves, filtered four at a time. With a
 /// margin, an axis culls far primitives first.
 #[inline(always)]
 fn decide_one<One: PrimitivePair<Other>, Other: PrimitivePair<One>, E: Kernel, M: Margin>(
@@ -231,7 +231,7 @@ fn decide_one<One: PrimitivePair<Other>, Other: PrimitivePair<One>, E: Kernel, M
             let (other, exact) = (&others[k & 3], &mut stats.exact_pairs);
             let meets = match (margin > 0.0, is_of_a) {
                 (false, _) => One::meets(&probe, other, exact),
-                // By an axis that was found in the meantime.
+                // Culled by an axis that was found in the meantime.
                 (true, _) if is_far(ahead, other) => false,
                 (true, true) => is_near::<One, Other, _>(item, other, (margin, reach, ahead), exact),
                 (true, false) => is_near::<Other, One, _>(other, item, (margin, reach, ahead), exact),

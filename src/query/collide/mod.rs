@@ -24,13 +24,13 @@ use core::ops::ControlFlow;
 use flow::Stop;
 
 impl Query {
-    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts, and so does being inside of
-    /// a [solid](crate::construct::Builder::solid) body: then the hit names a primitive of the part that is inside, and
-    /// one of the solid's.
+    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts as meeting, and so does
+    /// being inside a [solid](crate::construct::Builder::solid) body: then the hit names a primitive of the part that
+    /// is inside, and one of the solid's primitives.
     ///
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. The query ends at the first hit.
     ///
-    /// The order of the bodies hardly matters to speed: the query rotates the body whose k-DOPs grow less
+    /// The order of the bodies hardly affects speed: the query rotates the body whose k-DOPs grow less
     /// ([`rotation_growth`](crate::hierarchy::Header::rotation_growth)).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
@@ -59,7 +59,7 @@ impl Query {
     ) {
         match &mut answer.verdict {
             _ if !(a.is_solid() || b.is_solid()) => {}
-            // Without visits the bodies are empty or the hint is a hit: no body is inside of the other.
+            // Without visits the bodies are empty, or the hint is a hit: no body is inside the other.
             _ if answer.stats.visits == 0 => {}
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
@@ -107,7 +107,7 @@ impl Query {
         }
     }
 
-    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.
+    /// The first pair of primitives at most `margin` apart: the hint's, or the first that the traversal finds.
     // Counts in the answer itself: a copy of the counters would stall on their stores.
     #[inline(always)]
     pub(in crate::query) fn first_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
@@ -136,8 +136,8 @@ impl Query {
         answer
     }
 
-    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. The hint is ignored. Bodies
-    /// that are inside of a solid and meet none of its triangles have no pair.
+    /// Calls `visit` once for each pair of primitives that meet, until it breaks. Ignores the hint. A body that is
+    /// inside a solid and meets none of its triangles has no pair.
     pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,

@@ -31,7 +31,7 @@ use crate::query::lanes::{AT_ONCE, Lanes};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::{F64_SLACK, coordinates, shift};
 
-/// What is the same for all pairs of a query.
+/// The data of a query that all of its pairs share.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct NormalTest<'t> {
     pose: &'t Pose,

@@ -10,7 +10,7 @@ use crate::query::lanes::{AT_ONCE, Descent, Lanes, bits_of};
 use crate::query::setup::{Margin, Side};
 use crate::realign::shrinkage;
 
-/// The test of normal slabs, and how many pairs it tested and culled.
+/// The test of normal slabs, with the numbers of pairs tested and culled.
 #[derive(Default, Debug)]
 pub(super) struct NormalSlabs<'t> {
     test: Option<NormalTest<'t>>,
@@ -21,7 +21,7 @@ pub(super) struct NormalSlabs<'t> {
 /// Normal slabs are tested from this visit on: most queries are shorter, and most pending pairs of a hit are never
 /// visited.
 pub(super) const LONG: u64 = 32;
-/// Normal slabs are no longer tested if, after this many pairs, they separated fewer than one in [`SHARE`].
+/// Tests of normal slabs stop if, after this many pairs, they separated fewer than one in [`SHARE`].
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 
@@ -61,12 +61,12 @@ impl<'t> NormalSlabs<'t> {
             top.looked_at = true;
             if let (Link::Inner(node_a), Link::Inner(node_b)) = (top.volumes.a.link(), top.volumes.b.link())
                 && let (Some(slabs_a), Some(slabs_b)) = (a.normal_slabs_of(node_a), b.normal_slabs_of(node_b))
-                // No longer tested if it rarely separates.
+                // Tests stop if they rarely separate.
                 && !(self.tested >= TRIAL && self.apart * SHARE < self.tested)
             {
                 let test = self.test.get_or_insert_with(|| {
                     let (pose, extent_a, extent_b) = (placing.pose, a.extent(), b.extent());
-                    // Of the query's A and B.
+                    // Slabs of the query's A and B.
                     let (of_a, of_b, shrinkage) = if is_a_turned {
                         (extent_a, extent_b, shrinkage::<P>(pose, &extent_a))
                     } else {

@@ -1,5 +1,5 @@
 //! A pending leaf culls nodes of the other tree by the slabs of its primitive's own directions
-//! ([`crate::realign::primitive_slabs`]): in the frame of that tree, where the planes are tight.
+//! ([`crate::realign::primitive_slabs`]): this is done in the frame of that tree, where the planes are tight.
 
 use super::bodies::Bodies;
 use super::stack::Volumes;
@@ -21,10 +21,10 @@ pub(super) struct PrimitiveCut {
 /// Primitive slabs are tested if they may cull at least this weight of children ([`weight_of`]).
 const WORTH_CUTTING: usize = 16;
 
-/// The slabs of a leaf of b alone cull nodes of a if the leaf is wider than they are by this many powers of two.
+/// The slabs of a leaf of b suffice to cull nodes of a if the leaf is wider than the nodes by this many powers of two.
 const WIDER: i32 = 1;
 
-/// Whether the children of a node that have a bit are worth a test against the primitive slabs of the pending leaf.
+/// Whether testing the children of a node that have a bit against the primitive slabs of the pending leaf pays.
 #[inline(always)]
 pub(super) fn is_worth_cutting<N: Lanes, P: Primitive, Q: Primitive>(
     bodies: &Bodies<'_, N, P, Q>,
@@ -41,9 +41,9 @@ pub(super) fn is_worth_cutting<N: Lanes, P: Primitive, Q: Primitive>(
 }
 
 impl PrimitiveCut {
-    /// Whether the children of `a` are culled by the slabs of leaf b alone, without rotating them into b's frame and
-    /// comparing them with the leaf's k-DOP. Leaf b must be the last one that culled nodes. The slabs of a large
-    /// triangle cull nearly as much, and are in a's frame.
+    /// Whether the slabs of leaf b alone cull the children of `a`, without rotating them into b's frame and comparing
+    /// them with the leaf's k-DOP. Leaf b must be the last one that culled nodes. The slabs of a large triangle cull
+    /// nearly as much as that, and are in a's frame.
     #[inline(always)]
     pub(super) fn cuts_alone<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
@@ -66,7 +66,7 @@ impl PrimitiveCut {
 
     /// For a leaf that is pending against a node: which of the children with a bit do not lie beyond its primitive's
     /// slabs.
-    // Not inlined, since the loop is faster without it; it has a gate of its own.
+    // Not inlined, since the loop is faster that way; it has a gate of its own.
     #[inline(never)]
     pub(super) fn cut<N: Lanes, P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -114,8 +114,8 @@ impl PrimitiveCut {
     }
 }
 
-/// The slabs of a primitive in the frame of the other body, whose primitives are `Others`. Of the query's bodies, B's
-/// nodes keep their frame and A's are rotated by the pose.
+/// The slabs of a primitive in the frame of the other body, whose primitives are `Others`. Nodes of the query's B keep
+/// their frame, and the pose rotates those of A.
 #[inline(always)]
 fn slabs<N: Lanes, One: Primitive, Others: Primitive, E: Kernel>(
     kernel: E,

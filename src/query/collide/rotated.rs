@@ -26,8 +26,8 @@ pub(super) struct RotatedChildren<T> {
 
 /// The planes that were rotated last.
 pub(super) struct Rotated<N: Lanes> {
-    /// Those of the node of a that was rotated last. Siblings in b follow each other, so the next visit often needs
-    /// them too.
+    /// Planes of the children of the node of a that was rotated last. Siblings in b follow each other, so the next
+    /// visit often needs them too.
     pub(super) children: RotatedChildren<N::Turned>,
     /// The last leaf or node of a that was compared as a single volume with nodes of b, and its planes.
     pub(super) aimed: Option<(Child, N::Aimed)>,
@@ -62,8 +62,8 @@ impl<N: Lanes> Rotated<N> {
         }
     }
 
-    /// [`Self::rotate`], as far as needed, and which of the children overlap a node of b, or one lane of it. Also
-    /// returns the number of kernel calls.
+    /// [`Self::rotate`], as far as needed. Returns which of the children overlap a node of b, or one lane of it, and
+    /// the number of kernel calls.
     #[inline(always)]
     pub(super) fn rotate_over<P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -108,7 +108,7 @@ impl<N: Lanes> Rotated<N> {
         }
     }
 
-    /// Computes planes that enclose all of node `a` from those of its rotated children.
+    /// Computes planes that enclose node `a` from the planes of its rotated children.
     #[cold]
     pub(super) fn enclose<P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -129,7 +129,7 @@ impl<N: Lanes> Rotated<N> {
     }
 }
 
-/// The planes of leaf `a`, which `placing` places in body b, in a frame of b.
+/// The planes of leaf `a`, placed by `placing`, in a frame of b.
 // Inlined in the gate, except on small machines, where it is rarely needed and would take stack of every visit.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
@@ -142,7 +142,7 @@ fn aim<N: Lanes, P: Primitive>(
     N::aim::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards);
 }
 
-/// [`aim`], for those planes only that have a bit in `wanted`.
+/// [`aim`], only for the planes that have a bit in `wanted`.
 #[inline(never)]
 fn aim_some<N: Lanes, P: Primitive>(
     aimed: &mut N::Aimed,
@@ -154,7 +154,7 @@ fn aim_some<N: Lanes, P: Primitive>(
     N::aim_some::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards, wanted);
 }
 
-/// The primitives of leaf `a`, which `placing` places in body b.
+/// The primitives of leaf `a`, placed by `placing` in body b.
 #[inline(always)]
 fn moved<'t, N: Lanes, P: Primitive>(
     tree: &'t BvhRef<'_, N, P>,

@@ -91,7 +91,7 @@ impl Query {
     }
 }
 
-/// How volumes of body a are rotated into the frame of b.
+/// The map that rotates volumes of body a into the frame of b.
 // Inlined, so that it is compiled for the query's instruction set. Not on small machines, where it would take stack of
 // the whole traversal.
 #[cfg_attr(simdop_small, inline(never))]
@@ -104,11 +104,11 @@ fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing<'_>, a: &B
     }
 }
 
-/// Whether B's k-DOPs grow less than A's by being rotated, and by enough to pay for the inverse pose.
+/// Whether rotation enlarges B's k-DOPs less than A's, by enough to pay for the inverse pose.
 fn is_b_turned(a: &Header, b: &Header) -> bool {
     let loose = |h: &Header| f64::from(h.rotation_growth) * power_of_two(-h.exponent);
     WAY_BACK * loose(b) < loose(a)
 }
 
-/// The relative cost of rotating B: similar bodies are not exchanged.
+/// The relative cost of rotating B: similar bodies keep their order.
 const WAY_BACK: f64 = 1.02;

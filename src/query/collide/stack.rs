@@ -1,4 +1,4 @@
-//! The stack of a traversal: masks, not pairs, so that its size depends on the depth of the trees alone.
+//! The stack of a traversal: it holds masks, not pairs, so that its size depends only on the depth of the trees.
 
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::Child;
@@ -25,19 +25,19 @@ pub(super) struct Visited {
     pub(super) looked_at: bool,
 }
 
-/// The pending volumes, in memory of the caller. Each entry is at least a level deeper in one tree or in both, so both
-/// trees together have at least as many levels as there are entries.
+/// The pending volumes, in the caller's memory. Each entry is at least one level deeper than the one before it, in one
+/// tree or in both, so both trees together have at least as many levels as there are entries.
 pub(super) struct Stack<'s> {
     visited: &'s mut [Visited],
     len: usize,
 }
 
-/// Enough for most queries that are not decided at the roots: the levels of a tree of 16^6 primitives.
+/// Enough entries for most queries that are not decided at the roots: the levels of a tree of 16^6 primitives.
 pub(super) const FEW: usize = 6;
 /// The number of entries below the last of these.
 pub(super) const MANY: usize = 2 * MAX_DEPTH - FEW + 1;
 
-/// To be overwritten: all zeros, which need no copy.
+/// Initial value, to be overwritten: all zeros, which need no copy.
 pub(super) const NOT_VISITED: Visited = Visited {
     volumes: Volumes { a: Child::ROOT, b: Child::ROOT, holder_b: 0, lane_b: 0 },
     opened: Descent::Both,
@@ -45,9 +45,9 @@ pub(super) const NOT_VISITED: Visited = Visited {
     rows: Rows { rows: [0; 16], pending: 0 },
 };
 
-/// Bytes of the pending pairs in a query, whatever the trees: below 3 KB. A query that goes at most six levels below
-/// the roots uses a seventh of it. (A traversal also holds the rotated planes of a node's children: 576 bytes at arity
-/// 16 and k = 18.)
+/// Bytes of the pending pairs in a query, for all trees: below 3 KB. A query that goes at most six levels below the
+/// roots uses a seventh of that. (A traversal also holds the rotated planes of a node's children: 576 bytes at arity 16
+/// and k = 18.)
 pub const STACK_BYTES: usize = (FEW + MANY) * size_of::<Visited>();
 const _: () = assert!(STACK_BYTES <= 3072, "the stack of a query fits in 3 KB");
 
@@ -61,7 +61,7 @@ pub(super) struct Next {
 }
 
 impl<'s> Stack<'s> {
-    /// A stack whose first `len` entries are in the memory already.
+    /// A stack whose first `len` entries are already in memory.
     #[inline(always)]
     pub(super) const fn new(memory: &'s mut [Visited], len: usize) -> Self {
         Self { visited: memory, len }

@@ -1,8 +1,8 @@
 //! The simultaneous traversal of both trees, sixteen pairs of volumes a step.
 //!
-//! A **visit** takes two nodes, or a node and a leaf. a's children are rotated into b's frame (one re-alignment), and
-//! the kernel returns a row of bits for each of them. Pairs of leaves among the bits are tested at once; the other
-//! pairs are pushed on the stack.
+//! A **visit** takes two nodes, or a node and a leaf. It rotates a's children into b's frame (one re-alignment), and
+//! the kernel returns a row of bits for each of them. The visit tests the pairs of leaves among the bits at once, and
+//! pushes the other pairs on the stack.
 
 use super::bodies::Bodies;
 use super::flow::{Flow, Stop, Visitor};
@@ -19,7 +19,7 @@ use crate::query::lanes::{Descent, Lanes, Rows, used_lanes};
 use crate::query::setup::{ABOVE_ROOT, Margin, corner_distance};
 use core::ops::ControlFlow;
 
-/// When a traversal ends, and up to which distance primitives count as meeting.
+/// The budget of a traversal, and the distance up to which primitives count as meeting.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Limits<M> {
     pub(super) budget: u64,
@@ -69,7 +69,7 @@ where
     }
 
     /// Visits every pair of primitives that meet.
-    // Each part of the stack belongs to a function of its own: many queries end at the roots, and few go deep.
+    // Each part of the stack belongs to its own function: many queries end at the roots, and few go deep.
     #[inline(always)]
     pub(super) fn run(&mut self) -> Flow {
         let (a, b) = (self.bodies.a, self.bodies.b);

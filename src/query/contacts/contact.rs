@@ -16,7 +16,7 @@ pub struct TriangleContact {
     pub normal_b: Point,
     points: [Point; Intersection::MOST],
     len: u32,
-    /// The contact that stands for its patch.
+    /// The contact that represents this one's patch.
     pub(super) patch: u32,
 }
 
@@ -26,14 +26,14 @@ pub struct TriangleContact {
 pub struct Contacts {
     /// Number of contacts written.
     pub count: usize,
-    /// [`Completion::Complete`] if they are all, [`Completion::Stopped`] if there was no room for another.
+    /// [`Completion::Complete`] if all contacts were written, [`Completion::Stopped`] if there was no room for another.
     pub completion: Completion,
-    /// The work.
+    /// The work of the query.
     pub stats: QueryStats,
 }
 
 impl TriangleContact {
-    /// `None` if the two do not meet.
+    /// The contact. `None` if the triangles do not meet.
     pub(super) fn of(pair: Pair, a: &Triangle, b: &Triangle) -> Option<Self> {
         let found = intersection(a, b)?;
         let (normal_a, normal_b) = (unit_normal(a), unit_normal(b));
@@ -41,7 +41,8 @@ impl TriangleContact {
         let mut points = [[0.0; 3]; Intersection::MOST];
         points[..len].copy_from_slice(found.points());
         let contact = Self { pair, normal_a, normal_b, points, len: len as u32, patch: 0 };
-        // A segment runs along the product of the normals, so that the segments of two solids form loops of one sense.
+        // A segment runs along the cross product of the normals, so that the segments of two solids form consistently
+        // oriented loops.
         let along = cross(&normal_a, &normal_b);
         if len == 2 && dot(&along, &difference(&points[1], &points[0])) < 0.0 {
             points.swap(0, 1);
@@ -53,16 +54,15 @@ impl TriangleContact {
         Some(Self { points, ..contact })
     }
 
-    /// In B's frame: one point where the triangles touch, the ends of a segment, or the three to six corners of the
-    /// polygon that triangles in one plane have in common, in order around it. Their accuracy is that of
-    /// [`intersection`].
+    /// The common points, in B's frame: one point where the triangles touch, the ends of a segment, or for triangles in
+    /// one plane, the three to six corners of the common polygon in order. They are as accurate as [`intersection`].
     #[inline]
     #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points[..self.len as usize]
     }
 
-    /// The vector area of a polygon; of a segment, that of its triangle with the origin.
+    /// The vector area of a polygon; for a segment, that of its triangle with the origin.
     pub(super) fn vector_area(&self, origin: &Point) -> Point {
         let points = self.points();
         let count =
@@ -74,7 +74,7 @@ impl TriangleContact {
         })
     }
 
-    /// The length of a segment; 0 of others.
+    /// The length of a segment; 0 for other contacts.
     pub(super) fn segment(&self) -> f64 {
         if let [p, q] = self.points() { length(&difference(q, p)) } else { 0.0 }
     }

@@ -15,11 +15,11 @@ use crate::primitive::{Primitive, Triangles};
 use core::ops::ControlFlow;
 
 impl Query {
-    /// The intersection of every pair of triangles that meet, body `a` placed by `pose` in the frame of body `b`:
-    /// [`Query::for_each_pair`] with the points in which they meet. The contacts are written to `into`, from its start,
-    /// in the order in which they are found. If there are more, the query ends with [`Completion::Stopped`].
+    /// The intersections of all pairs of triangles that meet, with body `a` placed by `pose` in the frame of body `b`:
+    /// [`Query::for_each_pair`] with the points in which they meet. Writes the contacts to the start of `into`, in the
+    /// order in which they are found. If there are more, the query ends with [`Completion::Stopped`].
     ///
-    /// Bodies inside of a solid that meet none of its triangles have no contacts.
+    /// A body that is inside a solid and meets none of its triangles has no contacts.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -57,8 +57,8 @@ impl Query {
         Contacts { count, completion, stats }
     }
 
-    /// Calls `visit` with each of the [contacts](Query::contacts), until it breaks. Returns how the search ended, and the
-    /// query statistics.
+    /// Calls `visit` with each of the [contacts](Query::contacts), until it breaks. Returns how the search ended, and
+    /// the query statistics.
     pub fn for_each_contact<A, B>(
         &self,
         a: &A,
@@ -73,7 +73,7 @@ impl Query {
         with_bvhs(a, b, |a, b| {
             self.for_each_found(a, b, pose, &mut |found| {
                 let moved = Triangles::moved(&a.primitive(found.a), pose);
-                // All pairs that are found meet.
+                // All pairs found here meet.
                 match TriangleContact::of(found.pair(a, b), &moved, &b.primitive(found.b)) {
                     Some(contact) => visit(contact),
                     None => ControlFlow::Continue(()),

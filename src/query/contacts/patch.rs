@@ -1,15 +1,15 @@
-//! Patches: contacts that hang together.
+//! Patches: connected contacts.
 
 use super::TriangleContact;
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length};
 
-/// Ends nearer to each other than this fraction of the greatest coordinate are one: twice the error of either, with the
-/// edges no longer than two coordinates.
+/// Ends nearer to each other than this fraction of the greatest coordinate are the same: twice the error of either, if
+/// edges are no longer than twice the greatest coordinate.
 const SAME: f64 = power_of_two(-41);
 
-/// Contacts that hang together.
+/// Connected contacts.
 #[derive(Copy, Clone, PartialEq, Default, Debug)]
 pub struct ContactPatch {
     /// Index of its first contact.
@@ -18,14 +18,14 @@ pub struct ContactPatch {
     pub count: usize,
     /// The mean of the contacts' points, in B's frame.
     pub centre: Point,
-    /// The unit vector along which A leaves B: the mean normal of what the patch encloses. Bodies whose triangles face
-    /// outwards are assumed. Zeros if no direction is better than another.
+    /// The unit vector along which A moves out of B: the mean normal of what the patch encloses. The triangles of both
+    /// bodies are assumed to face outwards. Zeros if no direction is better than another.
     ///
-    /// Of triangles in one plane, it is that of B's triangles. Of segments that form a loop, it is the mean normal of
-    /// the part of either surface that the loop bounds. Of other contacts, it is the mean of the differences of the
-    /// triangles' normals.
+    /// For triangles in one plane, it is the normal of B's triangles. For segments that form a loop, it is the mean
+    /// normal of the part of either surface that the loop bounds. For other contacts, it is the mean of the differences
+    /// of the triangles' normals.
     pub normal: Point,
-    /// The length of all its segments.
+    /// The total length of its segments.
     pub length: f64,
     /// The area of its polygons; without polygons, the area that its segments enclose in the plane of the normal.
     pub area: f64,
@@ -46,10 +46,10 @@ impl core::fmt::Display for TooManyPatches {
 
 impl core::error::Error for TooManyPatches {}
 
-/// Orders contacts by patch, and describes the patches, the one with the most contacts first. Returns their number.
+/// Orders contacts by patch, and describes the patches, those with the most contacts first. Returns their number.
 ///
-/// Two contacts hang together if they have a common end, to 2^-41 of the greatest coordinate. The time is proportional
-/// to the number of contacts times the number of those that overlap one of them along the longest axis of all.
+/// Two contacts are connected if they have a common end, to 2^-41 of the greatest coordinate. The time is proportional
+/// to the number of contacts times the average number of contacts that overlap one along the longest axis of all.
 ///
 /// # Errors
 /// [`TooManyPatches`] if `into` has no room for all.
@@ -110,7 +110,7 @@ fn join(contacts: &mut [TriangleContact]) {
     }
 }
 
-/// The contact that stands for the patch of contact `i`. Halves the path to it.
+/// The contact that represents the patch of contact `i`. Halves the path to it.
 fn root(contacts: &mut [TriangleContact], mut i: u32) -> u32 {
     loop {
         let above = contacts[i as usize].patch;
@@ -163,16 +163,16 @@ impl ContactPatch {
         Self { first, count: contacts.len(), centre, normal, length: long, area }
     }
 
-    /// Its contacts, of those that [`patches`] ordered.
+    /// The patch's contacts, from those that [`patches`] ordered.
     #[must_use]
     pub fn contacts<'c>(&self, contacts: &'c [TriangleContact]) -> &'c [TriangleContact] {
         contacts.get(self.first..self.first + self.count).unwrap_or(&[])
     }
 
-    /// Chooses up to `into.len()` points of the patch that span it, seen along its normal, and returns their number: the
-    /// farthest from the centre, the farthest from that one, the farthest on either side of the line through both, then
-    /// always the one that is farthest outside of the polygon so far. Of a box on a box, the first four are its
-    /// corners.
+    /// Chooses up to `into.len()` points of the patch that span it, seen along its normal, and returns their number:
+    /// the point farthest from the centre, the point farthest from that, the farthest on either side of the line
+    /// through both, and then repeatedly the point farthest outside the polygon so far. For a box on a box, the first
+    /// four are the corners of the contact.
     pub fn span(&self, contacts: &[TriangleContact], into: &mut [Point]) -> usize {
         let points = || self.contacts(contacts).iter().flat_map(TriangleContact::points);
         let flat = |from: &Point, to: &Point| {
@@ -194,7 +194,8 @@ impl ContactPatch {
         into[0] = first;
         let Some(second) = farthest(&from(first)).1.filter(|_| into.len() > 1) else { return 1 };
         into[1] = second;
-        // Counterclockwise about the normal; the area is a triangle's on an edge that no point widens below this.
+        // Counterclockwise about the normal. A point whose triangle with an edge has an area below `least` does not
+        // widen the polygon.
         let (mut count, least) = (2, SAME * dot(&flat(&first, &second), &flat(&first, &second)));
         while count < into.len() {
             let outside = (0..count).fold((least, None), |best: (f64, Option<(usize, Point)>), i| {

@@ -1,30 +1,31 @@
-//! A shape and a tree, as a search for a depth asks them.
+//! The queries of a shape and a tree in a depth search.
 //!
-//! A ball about a point inside of a convex shape is as large as the point's depth in it.
+//! The largest ball about a point inside a convex shape has the point's depth in it as radius.
 
 use super::bodies::slack;
 use super::interval::OutOfBudget;
+use super::overlaps::{DeepestPrimitives, beneath};
 use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::entry::{Hint, PrimitivePair, Query, QueryStats};
+use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, length, unit};
 
-/// Of a ball inside of a shape.
+/// Tolerance of a ball inside a shape.
 const TOLERANCE: f64 = crate::exact::power_of_two(-20);
 
 pub(super) struct PosedShape<'t, N: Lanes, Q: Primitive> {
     query: Query,
-    /// In the tree's frame, and bounded.
+    /// In the tree's frame; bounded.
     shape: &'t Shape,
     /// [`Shape::ball`].
     ball: (Point, f64),
     tree: &'t BvhRef<'t, N, Q>,
-    /// The bodies meet if they are not farther apart.
+    /// The bodies count as meeting up to this distance.
     margin: f64,
     stats: QueryStats,
 }
@@ -47,6 +48,32 @@ impl<N: Lanes, Q: Primitive> PosedShape<'_, N, Q>
 where
     Shapes: PrimitivePair<Q>,
 {
+    /// The primitive that the shape penetrates the deepest after a translation, among the first few hundred that it
+    /// meets.
+    fn deepest_primitive(&mut self, t: &Point) -> Result<DeepestPrimitives, OutOfBudget> {
+        let (tree, mut deepest) = (self.tree, DeepestPrimitives::new());
+        let Some(shape) = translated(self.shape, t) else { return Ok(deepest) };
+        let completion = self.query.for_each_met_by_shape(&shape, tree, &mut self.stats, &mut |index| {
+            deepest.offer::<Shapes, Q>((0, &shape), (index, &tree.primitive(index)));
+            deepest.go_on()
+        });
+        if completion == Completion::OutOfBudget {
+            return Err(OutOfBudget);
+        }
+        spend(&self.query, &mut self.stats, deepest.computed)?;
+        Ok(deepest)
+    }
+
+    /// The radius plus the margin; 0 if the radius is not positive.
+    fn with_margin(&self, radius: f64) -> f64 {
+        if radius > 0.0 { radius + self.margin } else { 0.0 }
+    }
+
+    fn slack(&self, t: &Point) -> f64 {
+        let (centre, reach) = self.ball;
+        slack((length(&centre) + reach) + self.tree.extent().max_coordinate, t)
+    }
+
     /// The balls about a point of the shape before the translation.
     fn shared(
         &mut self,
@@ -59,17 +86,16 @@ where
         let Some(in_b) = self.query.inside(self.tree, &moved, is_unknown[1], &mut self.stats)? else {
             return Ok(None);
         };
-        let Some(from_b) = unit(&difference(&in_b.a, &in_b.b)).filter(|_| of_shape.lower > 0.0) else {
+        let Some(from_b) = unit(&in_b.inwards).filter(|_| of_shape.lower > 0.0) else {
             return Ok(None);
         };
         let from_a = of_shape.direction.map(|x| -x);
-        let (centre, reach) = self.ball;
-        let slack = slack((length(&centre) + reach) + self.tree.extent().max_coordinate, t);
+        let slack = self.slack(t);
         Ok(Some(Shared {
-            radius: of_shape.lower + in_b.lower - slack,
+            radius: of_shape.lower + in_b.radius - slack,
             point: *point,
             inwards: [from_b, from_a],
-            radii: [of_shape.lower - slack, in_b.lower - slack],
+            radii: [of_shape.lower - slack, in_b.radius - slack],
         }))
     }
 }
@@ -107,7 +133,8 @@ where
         _: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget> {
         if !self.tree.is_solid() {
-            return Ok((0.0, None));
+            let deepest = self.deepest_primitive(t)?.depth.lower - self.slack(t);
+            return Ok((self.with_margin(deepest), None));
         }
         let (centre, _) = self.ball;
         let back = difference(&self.tree.extent().frame.centre, t);
@@ -120,9 +147,20 @@ where
                 best = Some(found);
             }
         }
-        let Some(start) = best else { return Ok((0.0, None)) };
+        let mut known = 0.0;
+        if best.is_none() {
+            let deepest = self.deepest_primitive(t)?;
+            known = deepest.depth.lower - self.slack(t);
+            if known > 0.0 {
+                let moved = core::array::from_fn(|i| centre[i] + t[i]);
+                let below = beneath::<Q>(&moved, &self.tree.primitive(deepest.b), &deepest.depth, -0.5);
+                let below = below.map(|p| difference(&p, t));
+                best = below.map(|point| self.shared(&point, t, [true; 2])).transpose()?.flatten();
+            }
+        }
+        let Some(start) = best else { return Ok((self.with_margin(known), None)) };
         let found = widened(start, steps, |v| *v, |point, is_unknown| self.shared(point, t, is_unknown))?;
-        Ok((found.radius + self.margin, Some(found)))
+        Ok((f64::max(found.radius, known) + self.margin, Some(found)))
     }
 
     fn stats(&self) -> QueryStats {

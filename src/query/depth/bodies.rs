@@ -1,28 +1,32 @@
-//! What a depth query asks of two bodies: are they free after a translation, how far are they apart then, and which
-//! translations near another are certainly not free?
+//! The queries of two bodies in a depth search: are they free after a translation, what is their distance then, and
+//! which translations near it are certainly not free?
 //!
 //! # Forbidden translations
 //!
-//! Let a ball of radius r about c lie inside of solid A, and one of radius r' about c' inside of solid B. After every
-//! translation t of A with `|c + t - c'| < r + r'` the balls overlap, and so do the solids. Two kinds of balls are used:
-//! those of the packings, and balls about one point q of A, at the place where the translation x puts it, as large as
-//! the distance of that point from either surface allows. The latter forbid all translations nearer to x than the sum of
-//! their radii.
+//! Two spheres or shapes of the bodies with penetration depth d forbid all translations shorter than d.
 //!
-//! The radii are rounded down. A pose whose matrix is not quite a rotation shortens lengths by at most
-//! [`Pose::skew`] relatively. [`Pose::apply`], and the sum of two translations, move a corner by less than `2^-47 (c +
-//! abs(t))` and [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) per axis, where c is the largest coordinate of A and t
-//! the translation; a surface that moves by less than its distance from a point winds around the point as before.
-//! [`ROUNDING`] times the sum of all coordinates covers these, those of the centres, and the sums of radii.
+//! Let a ball of radius r about c lie inside solid A, and one of radius r' about c' inside solid B. After every
+//! translation t of A with `|c + t - c'| < r + r'` the balls overlap, and so do the solids. The search uses two kinds
+//! of balls: those of packings and of bodies of spheres, and for one point q of A, moved by a translation x, the
+//! largest balls about it inside either body. The latter forbid all translations nearer to x than the sum of their
+//! radii.
+//!
+//! The radii are rounded down. A pose whose matrix is not quite a rotation shortens lengths by a fraction of at most
+//! [`Pose::skew`]. [`Pose::apply`], and the sum of two translations, move a corner by less than `2^-47 (c + abs(t))`
+//! and [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) per axis, where c is the largest coordinate of A and t the
+//! translation; a surface that moves by less than its distance from a point winds around the point as before.
+//! [`ROUNDING`] times the sum of all coordinates covers these errors, those of the centres, and the sums of radii.
 
 use super::clusters::{Clusters, crossing, triangle};
 use super::interval::OutOfBudget;
-use super::packings::{self, DeepestPair, Packings};
+use super::overlaps::{DeepestPrimitives, beneath, middle};
+use super::packings::{self, DeepestPair, InnerBalls, Packings};
 use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
-use crate::primitive::{Primitive, Separation, Shapes};
+use crate::primitive::shape::{Core, Depth};
+use crate::primitive::{Primitive, Separation, Shape, Shapes, Spheres};
 use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, Verdict};
 use crate::query::lanes::Lanes;
 use crate::query::setup::reach;
@@ -31,7 +35,7 @@ use crate::vector::{difference, dot, length, unit};
 use core::ops::ControlFlow;
 
 const ROUNDING: f64 = power_of_two(-44);
-/// Far above the least coordinate, and far below anything of a body.
+/// Far above the least coordinate, and far below any length of a body.
 const LEAST: f64 = power_of_two(-240);
 
 pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
@@ -39,17 +43,18 @@ pub(super) struct PosedBodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) pose: &'t Pose,
-    pub(super) packings: Option<&'t Packings<'t, N>>,
-    /// The bodies meet if they are not farther apart.
+    /// Spheres inside each body.
+    pub(super) packings: [Option<BvhRef<'t, N, Spheres>>; 2],
+    /// The bodies count as meeting up to this distance.
     pub(super) margin: f64,
     pub(super) stats: QueryStats,
     pub(super) hint: Hint,
-    /// Of distances.
+    /// The hint of distance queries.
     pub(super) nearest: Hint,
 }
 
 impl<'t, N: Lanes, P: Primitive, Q: Primitive> PosedBodies<'t, N, P, Q> {
-    /// With the query's budget, and neither its hint nor packings nor a margin.
+    /// Takes the query's budget, but not its hint; no margin; and the packings that the bodies carry.
     pub(super) fn new(
         query: &Query,
         a: &'t BvhRef<'t, N, P>,
@@ -57,7 +62,35 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> PosedBodies<'t, N, P, Q> {
         pose: &'t Pose,
     ) -> Self {
         let (query, stats) = (query.with_hint(Hint::NONE), QueryStats::default());
-        Self { query, a, b, pose, packings: None, margin: 0.0, stats, hint: Hint::NONE, nearest: Hint::NONE }
+        let packings = [a.packing(), b.packing()];
+        Self { query, a, b, pose, packings, margin: 0.0, stats, hint: Hint::NONE, nearest: Hint::NONE }
+    }
+
+    /// Uses these packings instead, if given.
+    pub(super) fn with_packings(self, packings: Option<&Packings<'t, N>>) -> Self {
+        match packings {
+            Some(&Packings { a, b }) => Self { packings: [Some(a), Some(b)], ..self },
+            None => self,
+        }
+    }
+
+    /// Spheres in both bodies: the packings, or the bodies themselves.
+    fn inner_balls(&self) -> Option<[&dyn InnerBalls<N>; 2]> {
+        Some([
+            inner_balls_of(self.a, self.packings[0].as_ref())?,
+            inner_balls_of(self.b, self.packings[1].as_ref())?,
+        ])
+    }
+}
+
+fn inner_balls_of<'b, N: Lanes, P: Primitive>(
+    body: &'b BvhRef<'_, N, P>,
+    packing: Option<&'b BvhRef<'_, N, Spheres>>,
+) -> Option<&'b dyn InnerBalls<N>> {
+    match packing {
+        Some(packing) => Some(packing),
+        None if P::HAS_BALLS => Some(body),
+        None => None,
     }
 }
 
@@ -71,7 +104,8 @@ where
         pose.translation().iter().all(|x| x.abs() <= MAX_COORDINATE).then_some(pose)
     }
 
-    /// The best of some points, moved to a better place in some steps, if that is better than what was found.
+    /// Moves the best of some points to a better place in some steps, and keeps the result if it is better than
+    /// `found`.
     fn improve(
         &mut self,
         found: &mut (f64, Option<Shared>),
@@ -101,18 +135,18 @@ where
         Ok(())
     }
 
-    /// The middle of what two spheres share, in A's frame.
+    /// The middle of the lens of two spheres, in A's frame.
     fn middle_of_lens(&self, pair: &DeepestPair, pose: &Pose) -> Point {
         let apart = difference(&pair.b.centre, &pose.unflushed(&pair.a.centre));
         let far = length(&apart);
-        // On the way from the centre in A to that in B.
+        // Distance from A's centre along the line to B's.
         let middle = 0.5 * (far - pair.b.radius + f64::min(pair.a.radius, far + pair.b.radius));
         let share = if far > 0.0 { f64::max(middle, 0.0) / far } else { 0.0 };
         let back = turned_back(self.pose, &apart);
         core::array::from_fn(|i| pair.a.centre[i] + share * back[i])
     }
 
-    /// The middle of what the bodies' boxes share, along the axes of B's frame, in A's frame.
+    /// The middle, in A's frame, of the overlap of the bodies' boxes along the axes of B's frame.
     fn middle_of_boxes(&self, pose: &Pose) -> Option<Point> {
         let (a, b) = (self.a.extent(), self.b.extent());
         let [of_a, of_b] = [&a, &b].map(|body| body.half_width.map(|x| f64::from(x) / body.frame.scale()));
@@ -137,8 +171,8 @@ where
         core::array::from_fn(|i| centre[i] + back[i])
     }
 
-    /// The balls about a point of A. `None` if it is not inside of both bodies; `is_unknown` of A and B: whether that
-    /// has to be asked.
+    /// The balls about a point of A. `None` if it is not inside both bodies; `is_unknown` says, for A and for B,
+    /// whether that must be tested.
     fn shared(
         &mut self,
         point: &Point,
@@ -153,22 +187,76 @@ where
         let Some(in_a) = self.query.inside(self.a, point, is_unknown[0], &mut self.stats)? else {
             return Ok(None);
         };
-        let of_a = in_a.lower * (1.0 - self.pose.skew());
-        let sum = of_a + in_b.lower;
-        let from_a = self.pose.rotate(&difference(&in_a.a, &in_a.b));
-        let (Some(from_b), Some(from_a)) = (unit(&difference(&in_b.a, &in_b.b)), unit(&from_a)) else {
-            return Ok(None);
+        // The pose keeps the radii of spheres and shapes, though it changes other lengths.
+        let of_a = if P::BOUNDS_SOLIDS {
+            in_a.radius * (1.0 - self.pose.skew())
+        } else {
+            in_a.radius - 4.0 * self.pose.skew() * self.a.extent().radius
         };
+        let sum = of_a + in_b.radius;
+        let from_a = self.pose.rotate(&in_a.inwards);
+        let (Some(from_b), Some(from_a)) = (unit(&in_b.inwards), unit(&from_a)) else { return Ok(None) };
         let slack = slack(reach(self.a, self.b, self.pose), t);
         Ok(Some(Shared {
             radius: sum - slack,
             point: *point,
             inwards: [from_b, from_a],
-            radii: [in_a.lower - slack, in_b.lower - slack],
+            radii: [in_a.radius - slack, in_b.radius - slack],
         }))
     }
 
-    /// Where primitives meet, of at most [`MOST_PAIRS`].
+    /// The deepest pair of spheres in the bodies.
+    fn deepest_balls(&mut self, pose: &Pose) -> Result<Option<DeepestPair>, OutOfBudget> {
+        let mut visits = self.stats.visits;
+        let Some(balls) = self.inner_balls() else { return Ok(None) };
+        let found = packings::deepest(balls, pose, &mut visits, self.query.budget());
+        self.stats.visits = visits;
+        found
+    }
+
+    /// The deepest pair among the first few hundred pairs of primitives that meet after a translation.
+    fn deepest_primitives(&mut self, pose: &Pose) -> Result<DeepestPrimitives, OutOfBudget> {
+        let mut deepest = DeepestPrimitives::new();
+        let (a, b) = (self.a, self.b);
+        let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
+            let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
+            deepest.offer::<P, Q>((found.a, &moved), (found.b, &still));
+            deepest.go_on()
+        });
+        self.stats = self.stats.and(&stats);
+        if completion == Completion::OutOfBudget {
+            return Err(OutOfBudget);
+        }
+        self.spend(deepest.computed)?;
+        Ok(deepest)
+    }
+
+    /// Improves the forbidden neighbourhood by pairs of primitives, which need no solid bodies.
+    fn improve_by_primitives(
+        &mut self,
+        found: &mut (f64, Option<Shared>),
+        (pose, t): (&Pose, &Point),
+        steps: usize,
+    ) -> Result<(), OutOfBudget> {
+        let deepest = self.deepest_primitives(pose)?;
+        found.0 = f64::max(found.0, deepest.depth.lower - slack(reach(self.a, self.b, self.pose), t));
+        if deepest.depth.lower == 0.0 || !(self.a.is_solid() || self.b.is_solid()) {
+            // Convex sets inside the two primitives would be no deeper in each other than these.
+            return Ok(());
+        }
+        let (a, b) = (P::moved(&self.a.primitive(deepest.a), pose), self.b.primitive(deepest.b));
+        let (of_a, of_b) = (middle::<P>(&a), middle::<Q>(&b));
+        // A moves out along the direction.
+        let beneath = if self.a.is_solid() {
+            beneath::<P>(&of_b, &a, &deepest.depth, 0.5)
+        } else {
+            beneath::<Q>(&of_a, &b, &deepest.depth, -0.5)
+        };
+        let in_a = [Some(of_a), Some(of_b), beneath].map(|seed| seed.map(|seed| self.in_a(&seed, pose)));
+        self.improve(found, (&in_a, UNKNOWN), (pose, t), steps)
+    }
+
+    /// The contact points of at most [`MOST_PAIRS`] pairs of primitives.
     fn contacts_after(&mut self, pose: &Pose) -> Result<Clusters, OutOfBudget> {
         let (mut clusters, mut pairs) = (Clusters::new(), 0);
         let (a, b) = (self.a, self.b);
@@ -223,8 +311,8 @@ where
         1.01 * (a.radius + b.radius + apart + self.margin)
     }
 
-    /// Tries the seed of the other translation; then the packings, and where the bodies are likely to overlap; and from
-    /// the best of these, points on the way to a better one.
+    /// Tries the seed of the other translation, then the packings, then points where the bodies are likely to overlap.
+    /// Moves the best points of each in steps to better ones.
     fn forbidden(
         &mut self,
         t: &Point,
@@ -238,7 +326,7 @@ where
             let back = turned_back(self.pose, &difference(&translation, t));
             let half = 0.5 * length(&back);
             let is_unknown = radii.map(|radius| half > 0.99 * radius);
-            // Half as deep in either body as the other translation left it, at worst.
+            // The halfway point splits the difference of the translations between the two bodies.
             let halfway = core::array::from_fn(|i| point[i] + 0.5 * back[i]);
             self.improve(&mut found, (&[Some(halfway)], is_unknown), at, steps)?;
             if found.1.is_none() {
@@ -246,14 +334,20 @@ where
             }
         }
         if found.0 <= wanted
-            && let Some(packings) = self.packings
-            && let Some(pair) =
-                packings::deepest(packings, &pose, &mut self.stats.visits, self.query.budget())?
+            && let Some(pair) = self.deepest_balls(&pose)?
         {
             let slack = slack(reach(self.a, self.b, self.pose), t);
             found.0 = f64::max(found.0, pair.depth - self.pose.skew() * pair.a.radius - slack);
-            let middle = Some(self.middle_of_lens(&pair, &pose));
-            self.improve(&mut found, (&[middle], UNKNOWN), at, steps)?;
+            if self.a.is_solid() || self.b.is_solid() {
+                let middle = Some(self.middle_of_lens(&pair, &pose));
+                self.improve(&mut found, (&[middle], UNKNOWN), at, steps)?;
+            }
+        }
+        if found.0 <= wanted && !(P::BOUNDS_SOLIDS && Q::BOUNDS_SOLIDS) {
+            self.improve_by_primitives(&mut found, at, steps)?;
+            if found.1.is_none() && (self.a.is_solid() || self.b.is_solid()) {
+                self.improve(&mut found, (&[self.middle_of_boxes(&pose)], UNKNOWN), at, steps)?;
+            }
         }
         if found.0 <= wanted && self.a.is_solid() && self.b.is_solid() {
             let contacts = self.contacts_after(&pose)?;
@@ -266,16 +360,16 @@ where
                 }
             }
         }
-        // Nor are they farther apart than the margin after a translation that is farther by that.
+        // A translation that goes farther by the margin leaves the bodies within the margin.
         let farther = if found.0 > 0.0 { self.margin } else { 0.0 };
         Ok((found.0 + farther, found.1))
     }
 
     fn likely_direction(&mut self) -> Result<Option<Point>, OutOfBudget> {
-        let Some(Packings { a, b }) = self.packings else { return Ok(None) };
+        let [Some(a), Some(b)] = self.packings else { return Ok(None) };
         let rest = self.query.after(&self.stats).budget();
         let few = if rest < VOLUME_VISITS { rest } else { VOLUME_VISITS };
-        let found = self.query.with_budget(few).penetration(a, b, self.pose);
+        let found = self.query.with_budget(few).penetration(&a, &b, self.pose);
         self.stats = self.stats.and(&found.stats);
         if found.completion == Completion::OutOfBudget && few < VOLUME_VISITS {
             return Err(OutOfBudget);
@@ -292,35 +386,46 @@ where
     }
 }
 
-/// What is lost to rounding after a translation, with a bound of all coordinates.
+/// Bound of the rounding errors after a translation, from a bound of all coordinates.
 pub(super) fn slack(coordinates: f64, t: &Point) -> f64 {
     ROUNDING * (coordinates + t.iter().fold(0.0, |sum, x| sum + x.abs())) + LEAST
 }
 
-/// A vector of B's frame in A's.
+/// Rotates a vector from B's frame into A's.
 fn turned_back(pose: &Pose, v: &Point) -> Point {
     let r = pose.rows();
     core::array::from_fn(|i| (r[0][i] * v[0] + r[1][i] * v[1]) + r[2][i] * v[2])
 }
 
+/// A ball about a point inside a body.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct InnerBall {
+    pub(super) radius: f64,
+    /// Vector from the nearest point of the surface, of any length.
+    pub(super) inwards: Point,
+}
+
 const UNKNOWN: [bool; 2] = [true; 2];
 const MOST_PAIRS: u32 = 48;
-/// Visits of the penetration volume, for its direction.
+/// Budget of the penetration query that suggests a direction.
 const VOLUME_VISITS: u64 = 256;
 
 impl Query {
-    /// The distance of a point inside of a solid from its surface, and the nearest point there. `None` if the body is
-    /// not solid or the point is not inside, which is only asked if it is unknown.
+    /// A ball about a point inside a body. `None` if the body is a surface or the point is not inside. Tests whether
+    /// the point is inside a solid only if `is_unknown`.
     pub(super) fn inside<N: Lanes, P: Primitive>(
         &self,
         solid: &BvhRef<'_, N, P>,
         point: &Point,
         is_unknown: bool,
         stats: &mut QueryStats,
-    ) -> Result<Option<Separation>, OutOfBudget>
+    ) -> Result<Option<InnerBall>, OutOfBudget>
     where
         Shapes: PrimitivePair<P>,
     {
+        if !P::BOUNDS_SOLIDS {
+            return self.inside_of_a_primitive(solid, point, stats);
+        }
         if !solid.is_solid() {
             return Ok(None);
         }
@@ -334,6 +439,29 @@ impl Query {
                 nearest = cap;
             }
         }
-        Ok(nearest.filter(|nearest| nearest.lower > 0.0))
+        let ball = |near: Separation| InnerBall { radius: near.lower, inwards: difference(&near.a, &near.b) };
+        Ok(nearest.filter(|nearest| nearest.lower > 0.0).map(ball))
+    }
+
+    /// The largest of the balls about a point inside single primitives.
+    fn inside_of_a_primitive<N: Lanes, P: Primitive>(
+        &self,
+        body: &BvhRef<'_, N, P>,
+        point: &Point,
+        stats: &mut QueryStats,
+    ) -> Result<Option<InnerBall>, OutOfBudget>
+    where
+        Shapes: PrimitivePair<P>,
+    {
+        let (shape, mut deepest) = (Shape::unchecked(Core::Point(*point), 0.0), DeepestPrimitives::new());
+        let completion = self.for_each_met_by_shape(&shape, body, stats, &mut |index| {
+            deepest.offer::<Shapes, P>((0, &shape), (index, &body.primitive(index)));
+            ControlFlow::Continue(())
+        });
+        if completion == Completion::OutOfBudget {
+            return Err(OutOfBudget);
+        }
+        let Depth { lower, direction, .. } = deepest.depth;
+        Ok((lower > 0.0).then(|| InnerBall { radius: lower, inwards: direction.map(|x| -x) }))
     }
 }

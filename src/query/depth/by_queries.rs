@@ -1,4 +1,4 @@
-//! Bodies of which only the queries are known, such as a cloud and a shape; and half-spaces.
+//! Depth of bodies that are known only by their queries, such as a cloud and a shape; and of half-spaces.
 
 use super::beside_shape::translated;
 use super::bodies::slack;
@@ -14,15 +14,15 @@ use crate::query::entry::{Answer, Completion, Query, QueryStats};
 use crate::range::Point;
 use crate::vector::{dot, length};
 
-/// Two bodies by their queries after a translation, each with what is left of the budget. The distance has the
-/// tolerance given.
+/// Two bodies, given by their queries after a translation. Each query gets the rest of the budget, and the distance
+/// query a tolerance.
 pub(crate) struct ByQueries<W, D> {
     pub(crate) query: Query,
     /// Whether the bodies come within the margin.
     pub(crate) within: W,
     pub(crate) distance: D,
     pub(crate) margin: f64,
-    /// A translation that is enough in any direction.
+    /// Length of a translation that separates the bodies in any direction.
     pub(crate) far: f64,
     pub(crate) stats: QueryStats,
 }
@@ -85,8 +85,9 @@ where
     way_out::along(direction, bodies).unwrap_or(f64::INFINITY)
 }
 
-/// A half-space leaves a body the shortest way against its normal: as far as it has to go is what it lacks of being far
-/// away. `distance` is that of a half-space from the body, with the least tolerance.
+/// The shortest translation that separates a half-space from a body is against its normal. Its length is the length of
+/// a longer translation minus the distance after that. `distance` gives the distance of a half-space from the body,
+/// with the smallest tolerance.
 pub(crate) fn half_space_depth(
     half_space: &Shape,
     body: &BodyBounds,
@@ -105,7 +106,7 @@ pub(crate) fn half_space_depth(
     };
     let long = length(&normal);
     let out = normal.map(|x| -x / long);
-    // How deep the ball around the body is.
+    // The depth of the ball around the body.
     let deep = (offset - dot(&normal, &body.frame.centre)) / long + half_space.radius() + body.radius;
     let far = 1.01 * (f64::max(deep, 0.0) + margin) + body.radius;
     let step = out.map(|x| x * far);

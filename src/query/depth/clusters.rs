@@ -1,11 +1,11 @@
-//! Where bodies are likely to overlap: about the places where their primitives meet.
+//! Clusters of contact points: the bodies are likely to overlap near them.
 
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length, unit};
 
 const MOST: usize = 4;
 
-/// Points that are near each other, on both surfaces.
+/// Points near each other, on both surfaces.
 #[derive(Copy, Clone)]
 struct ContactCluster {
     first: Point,
@@ -18,7 +18,7 @@ struct ContactCluster {
 const NOTHING: ContactCluster =
     ContactCluster { first: [0.0; 3], sum: [0.0; 3], count: 0.0, normals: [[0.0; 3]; 2] };
 
-/// Points in groups of which the first points are far from each other.
+/// Groups of points, whose first points are far from each other.
 pub(super) struct Clusters {
     clusters: [ContactCluster; MOST],
     len: usize,
@@ -69,7 +69,7 @@ impl Clusters {
         })
     }
 
-    /// Of all points, and of each cluster.
+    /// The middle of all points, and of each cluster.
     pub(super) fn middles(&self) -> [Option<Point>; MOST + 1] {
         let mut middles = [None; MOST + 1];
         middles[0] = self.all().middle();
@@ -79,8 +79,8 @@ impl Clusters {
         middles
     }
 
-    /// Inwards of the middle of all points, from the surface of B, of A, and of both, by parts of the way to the
-    /// farthest first point.
+    /// Points inwards of the middle of all points, against the normals of B, of A, and of both, by fractions of the
+    /// distance to the farthest first point.
     pub(super) fn inner(&self) -> [Option<Point>; 6] {
         let all = self.all();
         let Some(middle) = all.middle() else { return [None; 6] };
@@ -114,13 +114,13 @@ impl ContactCluster {
     }
 }
 
-/// The corners, if these are the corners of a triangle.
+/// The corners, if there are three.
 pub(super) fn triangle(mut corners: impl Iterator<Item = Point>) -> Option<[Point; 3]> {
     let triangle = [corners.next()?, corners.next()?, corners.next()?];
     corners.next().is_none().then_some(triangle)
 }
 
-/// Two triangles that meet, near where they do, with the normals there.
+/// A point near the intersection of two triangles that meet, with both normals.
 pub(super) fn crossing(a: &[Point; 3], b: &[Point; 3]) -> [Point; 3] {
     let normal = |[p, q, r]: &[Point; 3]| cross(&difference(q, p), &difference(r, p));
     let normals = [normal(a), normal(b)];
@@ -138,7 +138,7 @@ pub(super) fn crossing(a: &[Point; 3], b: &[Point; 3]) -> [Point; 3] {
     [point, unit(&normals[0]).unwrap_or_default(), unit(&normals[1]).unwrap_or_default()]
 }
 
-/// Where the edges of a triangle cross a plane: the first and the last point along a direction.
+/// The points where the edges of a triangle cross a plane: the first and the last along a direction.
 fn chord(corners: &[Point; 3], on: &Point, normal: &Point, along: &Point) -> Option<[(f64, Point); 2]> {
     let height = corners.each_ref().map(|p| dot(normal, &difference(p, on)));
     let mut ends: Option<[(f64, Point); 2]> = None;

@@ -1,7 +1,8 @@
-//! How deep two bodies are in each other: the least translation that takes one out of the other, as a certain interval.
+//! The penetration depth of two bodies: certain bounds of the length of the shortest translation that separates them.
 //!
 //! The upper bound is the length of a translation after which the exact query finds the bodies to be free. The lower
-//! bound is the radius of a ball of translations that are all forbidden, by balls inside of both bodies.
+//! bound is the radius of a ball of translations that are all forbidden, by balls inside both bodies, and by pairs of
+//! convex primitives.
 
 mod beside_shape;
 mod bodies;
@@ -9,6 +10,7 @@ mod by_queries;
 mod clusters;
 mod cover;
 mod interval;
+mod overlaps;
 mod packings;
 mod posed_pair;
 mod search;
@@ -33,17 +35,19 @@ use bodies::PosedBodies;
 use search::interval;
 
 impl Query {
-    /// How far body `a`, placed by `pose` in the frame of body `b`, has to be translated at least until it is apart from
-    /// `b` or touches it.
+    /// The penetration depth of two bodies: the length of the shortest translation of body `a`, placed by `pose` in the
+    /// frame of body `b`, after which it is apart from `b` or touches it.
     ///
-    /// The bodies are [solid](crate::construct::Builder::solid): of others the lower bound is 0, unless `packings` says
-    /// what is inside of them. Of solid triangles, packings are a help: they start the search for balls inside of both
-    /// bodies. Of bodies of spheres, the packing of a body may be the body itself. Packings need trees with balls.
+    /// Spheres and shapes are solid, and so are triangles that [bound a solid](crate::construct::Builder::solid). The
+    /// interior of other meshes is unknown: against a mesh, the lower bound is 0 unless `packings` describe the
+    /// interiors; against spheres and shapes, it is that of single triangles. For solid triangles, packings help: they
+    /// start the search for balls inside both bodies. Without `packings`, the query uses those that the bodies
+    /// [carry](crate::construct::Builder::add_packing). Packings need trees with balls.
     ///
-    /// The search is anytime: with a larger [budget](Query::with_budget) neither bound is worse. It ends by itself where
-    /// the bounds differ by less than 2^-8 of the lower one, or when it finds nothing better. For meshes that takes some
-    /// ten milliseconds; 2,000 visits take 0.3 ms. The bounds are the same on every instruction set. The hint is tried
-    /// first.
+    /// The search is anytime: with a larger [budget](Query::with_budget) neither bound is worse. It ends by itself when
+    /// the bounds differ by less than 2^-8 of the lower one, or when it finds nothing better. For meshes that takes
+    /// some ten milliseconds; 2,000 visits take 0.3 ms. The bounds are the same on every instruction set. The search
+    /// tries the hint first.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -74,16 +78,17 @@ impl Query {
         Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
     {
         with_bvhs(a, b, |a, b| {
-            interval(&mut PosedBodies { packings, hint: self.hint, ..PosedBodies::new(self, a, b, pose) })
+            let bodies = PosedBodies { hint: self.hint, ..PosedBodies::new(self, a, b, pose) };
+            interval(&mut bodies.with_packings(packings))
         })
     }
 
-    /// How far body `a`, placed by `pose` in the frame of body `b`, has to be translated along `direction` until it does
-    /// not meet `b` any more, however far it goes on: an upper bound that exceeds the least such translation by at most
-    /// about 2^-30 of it. [`Query::collide`] finds the bodies to be free after it. Zero for bodies that are free there,
-    /// and infinite if the budget was spent or the direction is zero or not finite.
+    /// How far body `a`, placed by `pose` in the frame of body `b`, must be translated along `direction` until it no
+    /// longer meets `b`, however much farther it moves: an upper bound that exceeds the least such translation by at
+    /// most about 2^-30 of it. [`Query::collide`] finds the bodies to be free after it. Zero if they do not meet at the
+    /// pose. Infinite if the budget was spent, or if they meet and the direction is zero or not finite.
     ///
-    /// For the depth of a contact [patch](super::ContactPatch) along its normal.
+    /// Use it for the depth of a contact [patch](super::ContactPatch) along its normal.
     pub fn depth_along<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,
@@ -98,14 +103,19 @@ impl Query {
         Shapes: PrimitivePair<A::Primitive> + PrimitivePair<B::Primitive>,
     {
         with_bvhs(a, b, |a, b| {
-            let mut bodies = PosedBodies::new(self, a, b, pose);
+            let met = self.collide(a, b, pose);
+            if met.is_free() {
+                return (0.0, met.stats);
+            }
+            let left = self.after(&met.stats);
+            let mut bodies = PosedBodies::new(&left, a, b, pose);
             let far = way_out::along(&direction, &mut bodies).unwrap_or(f64::INFINITY);
-            (far, bodies.stats)
+            (far, met.stats.and(&bodies.stats))
         })
     }
 
-    /// [`Query::depth`] of two shapes: the bounds differ by at most `tolerance` times the upper one, or by rounding (see
-    /// [`depth`]).
+    /// [`Query::depth`] of two shapes: the bounds differ by at most `tolerance` times the upper one, or by rounding
+    /// (see [`depth`]).
     pub fn depth_shapes(&self, a: &Shape, b: &Shape, pose: &Pose, tolerance: f64) -> DepthInterval {
         let found = depth(&a.moved(pose), b, tolerance);
         let stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
@@ -119,9 +129,9 @@ impl Query {
     }
 }
 
-/// Bodies of scenes, which meet if they are not farther apart than a margin.
+/// Depths for scenes, whose bodies count as meeting up to a margin.
 impl Query {
-    // Not inlined: scenes that ask for no depths should not pay for its stack frame.
+    // Not inlined: scenes that need no depths should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn depth_within<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -136,7 +146,7 @@ impl Query {
         interval(&mut PosedBodies { margin, hint: self.hint, ..PosedBodies::new(self, a, b, pose) })
     }
 
-    /// Of a shape in the tree's frame.
+    /// The depth of a shape in the tree's frame.
     #[inline(never)]
     pub(crate) fn shape_depth_within<N: Lanes, Q: Primitive>(
         &self,

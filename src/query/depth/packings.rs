@@ -1,21 +1,49 @@
 //! The deepest pair of spheres of two packings.
 
 use super::interval::OutOfBudget;
+use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
-use crate::node::{Link, Node};
+use crate::node::{Ball16, Link, Node};
 use crate::pose::Pose;
-use crate::primitive::{Sphere, Spheres};
+use crate::primitive::{Primitive, Sphere, Spheres, radius_of};
 use crate::range::Point;
 use crate::vector::{difference, length};
 
-/// Spheres inside of two solids, as trees with [balls](BvhRef::balls), in the frames of their bodies: those of a
-/// [packing](crate::packing), which are certainly inside. A depth query relies on it.
+/// Spheres inside two solids, as trees with [balls](BvhRef::balls), in the frames of their bodies. A depth query relies
+/// on their being inside, as the spheres of a [packing](crate::packing) certainly are.
 #[derive(Copy, Clone, Debug)]
 pub struct Packings<'p, N> {
-    /// Inside of body A.
+    /// Spheres inside body A.
     pub a: BvhRef<'p, N, Spheres>,
-    /// Inside of body B.
+    /// Spheres inside body B.
     pub b: BvhRef<'p, N, Spheres>,
+}
+
+/// A tree of spheres that are a body, or are inside one.
+pub(super) trait InnerBalls<N> {
+    fn nodes(&self) -> &[N];
+    fn balls(&self) -> &[Ball16];
+    fn frame(&self) -> Frame;
+    fn sphere(&self, index: u32) -> Sphere;
+}
+
+impl<N: Node, P: Primitive> InnerBalls<N> for BvhRef<'_, N, P> {
+    fn nodes(&self) -> &[N] {
+        BvhRef::nodes(self)
+    }
+
+    fn balls(&self) -> &[Ball16] {
+        BvhRef::balls(self)
+    }
+
+    fn frame(&self) -> Frame {
+        BvhRef::frame(self)
+    }
+
+    fn sphere(&self, index: u32) -> Sphere {
+        let item = self.primitive(index);
+        Sphere { centre: P::point(&item), radius: radius_of::<P>(&item) }
+    }
 }
 
 /// Two spheres that overlap.
@@ -28,7 +56,7 @@ pub(super) struct DeepestPair {
     pub(super) b: Sphere,
 }
 
-/// What a lane bounds, in B's frame.
+/// The ball of a lane, in B's frame.
 #[derive(Copy, Clone)]
 struct PlacedBall {
     centre: Point,
@@ -45,19 +73,19 @@ struct PendingPair {
 
 const ROOT: PlacedBall = PlacedBall { centre: [0.0; 3], radius: f64::INFINITY, link: Link::Inner(0) };
 
-/// Pending pairs. If there is no room, those of the least bounds are dropped: the pair found may then be less deep.
+/// Capacity for pending pairs. If there is no room, those with the least bounds are dropped: the pair found may then be
+/// less deep.
 const MOST_WAITING: usize = 96;
-/// Likewise, the search ends after this many visits.
+/// Maximum number of visits; after it, too, the pair found may be less deep.
 const MOST_VISITS: u64 = 96;
 
-/// The deepest pair of spheres, those of A moved by the pose, best first. `None` if none overlap.
+/// The deepest pair of spheres, with those of A moved by the pose, found best first. `None` if none overlap.
 pub(super) fn deepest<N: Node>(
-    packings: &Packings<'_, N>,
+    [a, b]: [&dyn InnerBalls<N>; 2],
     pose: &Pose,
     visits: &mut u64,
     budget: u64,
 ) -> Result<Option<DeepestPair>, OutOfBudget> {
-    let Packings { a, b } = packings;
     if a.balls().is_empty() || b.balls().is_empty() {
         return Ok(None);
     }
@@ -103,7 +131,7 @@ pub(super) fn deepest<N: Node>(
             children(b, &of_b, None, &mut |child| add(of_a, child));
         }
     }
-    Ok(best.map(|(i, j)| DeepestPair { depth, a: a.primitive(i), b: b.primitive(j) }))
+    Ok(best.map(|(i, j)| DeepestPair { depth, a: a.sphere(i), b: b.sphere(j) }))
 }
 
 /// The index of a volume that is one sphere.
@@ -111,9 +139,9 @@ const fn sphere(volume: &PlacedBall) -> Option<u32> {
     if let Link::Leaf { first, .. } = volume.link { Some(first) } else { None }
 }
 
-/// The children of a node; the spheres of leaves one by one.
+/// The children of a node; for leaves, their spheres.
 fn children<N: Node>(
-    tree: &BvhRef<'_, N, Spheres>,
+    tree: &dyn InnerBalls<N>,
     of: &PlacedBall,
     pose: Option<&Pose>,
     visit: &mut dyn FnMut(PlacedBall),
@@ -132,7 +160,7 @@ fn children<N: Node>(
             }
             link @ Link::Leaf { .. } => {
                 for index in link.primitives() {
-                    let Sphere { centre, radius } = tree.primitive(index);
+                    let Sphere { centre, radius } = tree.sphere(index);
                     visit(PlacedBall {
                         centre: place(centre),
                         radius,

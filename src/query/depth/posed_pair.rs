@@ -1,4 +1,4 @@
-//! What a search for a depth asks of two bodies of any kind.
+//! The queries of two bodies of any kind in a depth search.
 
 use super::interval::OutOfBudget;
 use crate::query::distance::Distance;
@@ -6,43 +6,43 @@ use crate::query::entry::{Answer, Completion, Query, QueryStats, Verdict};
 use crate::range::Point;
 use crate::vector::{difference, dot, unit};
 
-/// Balls about one point inside of both bodies.
+/// Balls about one point inside both bodies.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Shared {
-    /// All translations nearer than this to the one asked for are forbidden. Rounded down.
+    /// All translations nearer than this to the given one are forbidden. Rounded down.
     pub(super) radius: f64,
     /// The point, in A's frame.
     pub(super) point: Point,
-    /// From the surface of B to the point, and from that of A, in B's frame, of length 1.
+    /// Unit vectors, in B's frame, to the point from the nearest points of the surfaces of B and of A.
     pub(super) inwards: [Point; 2],
     /// The radii of the two balls.
     pub(super) radii: [f64; 2],
 }
 
-/// A point that is in both bodies after another translation, in A's frame.
+/// A point, in A's frame, that is in both bodies after another translation.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Seed {
     pub(super) point: Point,
     pub(super) translation: Point,
-    /// Of the balls about it in A and in B.
+    /// Radii of the balls about it in A and in B.
     pub(super) radii: [f64; 2],
 }
 
-/// Two bodies, and what is known after a translation of the first.
+/// Two bodies, and their queries after a translation of the first.
 pub(super) trait PosedPair {
     /// Whether the bodies are free, by the exact query.
     fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget>;
 
-    /// A lower bound of the distance, and the unit vector from the nearest point of B to that of A; with this relative
-    /// tolerance. `None` if the bodies meet.
+    /// A lower bound of the distance, to this relative tolerance, and the unit vector from the nearest point of B to
+    /// that of A. `None` if the bodies meet.
     fn gap(&mut self, t: &Point, tolerance: f64) -> Result<Option<(f64, Point)>, OutOfBudget>;
 
-    /// How far a translation along any direction is enough: the balls around the bodies are then apart.
+    /// Length of a translation that separates the balls around the bodies in any direction.
     fn far(&self) -> f64;
 
-    /// The radius of a forbidden neighbourhood, and a point in both bodies. Tries `steps` points on the way from each
-    /// that is likely to be inside, until the radius exceeds the one that is wanted. The radius is 0 or less if nothing
-    /// is known to be forbidden.
+    /// The radius of a forbidden neighbourhood of the translation, and a point in both bodies. Improves each point that
+    /// is likely to be inside in `steps` steps, until the radius exceeds the wanted one. The radius is 0 or less if
+    /// nothing is known to be forbidden.
     fn forbidden(
         &mut self,
         t: &Point,
@@ -51,7 +51,7 @@ pub(super) trait PosedPair {
         wanted: f64,
     ) -> Result<(f64, Option<Shared>), OutOfBudget>;
 
-    /// A direction in which the bodies are likely to leave each other.
+    /// A direction that is likely to separate the bodies.
     fn likely_direction(&mut self) -> Result<Option<Point>, OutOfBudget> {
         Ok(None)
     }
@@ -63,7 +63,7 @@ pub(super) trait PosedPair {
     fn spend(&mut self, visits: u64) -> Result<(), OutOfBudget>;
 }
 
-/// What a verdict after a translation says: see [`PosedPair::is_free`].
+/// Converts a verdict after a translation: see [`PosedPair::is_free`].
 pub(super) fn verdict_of(answer: &Answer) -> Result<bool, OutOfBudget> {
     match answer.verdict {
         Verdict::Free => Ok(true),
@@ -72,7 +72,7 @@ pub(super) fn verdict_of(answer: &Answer) -> Result<bool, OutOfBudget> {
     }
 }
 
-/// What a distance after a translation says of bodies that meet within a margin: see [`PosedPair::gap`].
+/// Converts a distance after a translation, for bodies that count as meeting up to a margin: see [`PosedPair::gap`].
 pub(super) fn gap_of(found: &Distance, margin: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
     if found.completion != Completion::Complete {
         return Err(OutOfBudget);
@@ -91,11 +91,11 @@ pub(super) fn spend(query: &Query, stats: &mut QueryStats, visits: u64) -> Resul
     Ok(())
 }
 
-/// The square of a slope that is not worth a step.
+/// Squared slopes below this are not worth a step.
 const FLAT: f64 = crate::exact::power_of_two(-12);
 
-/// Moves a point away from both surfaces while its balls grow. `step_in_a` turns a vector of B's frame into A's, and
-/// `shared` finds the balls about a point, and is told of which bodies it may be outside.
+/// Moves a point away from both surfaces while its balls grow. `step_in_a` rotates a vector from B's frame into A's.
+/// `shared` finds the balls about a point, given which bodies the point may be outside.
 pub(super) fn widened(
     start: Shared,
     steps: usize,
@@ -106,14 +106,14 @@ pub(super) fn widened(
     for _ in 0..steps {
         let [from_b, from_a] = &best.inwards;
         let slope: Point = core::array::from_fn(|i| from_b[i] + from_a[i]);
-        // The sum of both distances grows at most this fast: the directions oppose each other.
+        // The sum of both distances grows at most this fast, since the directions oppose each other.
         if dot(&slope, &slope) < FLAT {
             break;
         }
         let Some(along) = unit(&slope) else { break };
         let back = step_in_a(&along);
         let point = core::array::from_fn(|i| best.point[i] + step * back[i]);
-        // Within a ball inside of a body, the point is inside.
+        // A point in a ball inside a body is inside.
         let is_unknown = best.radii.map(|radius| step > 0.99 * radius);
         match shared(&point, is_unknown)? {
             Some(found) if found.radius > best.radius => (best, step) = (found, 1.4 * step),

@@ -18,22 +18,22 @@ pub(super) fn interval(bodies: &mut impl PosedPair) -> DepthInterval {
     DepthInterval { lower, upper, translation, completion, stats: bodies.stats() }
 }
 
-/// What a search has found.
+/// The result of a search.
 struct BestBounds {
     lower: f64,
     way: WayOut,
 }
 
-/// Points that are tried for the first, untranslated place.
+/// Number of points tried for the zero translation.
 const FIRST_POINTS: usize = 16;
-/// Steps of the lower bound for each direction that is tried for the upper one.
+/// Number of steps of the lower bound for each direction tried for the upper one.
 const STEPS: usize = 4;
-/// Bounds as near as this are worth the exact place where the bodies touch.
+/// At this ratio of the bounds, the exact translation at which the bodies touch is worth finding.
 const CLOSE: f64 = 1.0625;
-/// Bounds as near as this are not refined.
+/// At this ratio, the bounds are not refined further.
 const TIGHT: f64 = 1.0 + crate::exact::power_of_two(-8);
 
-/// What a search does never depends on how much budget is left, so that more budget only goes on.
+/// The steps of a search never depend on the rest of the budget, so a larger budget only adds steps.
 fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), OutOfBudget> {
     if bodies.is_free(&[0.0; 3])? {
         found.way.upper = 0.0;
@@ -43,7 +43,7 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
     let mut cover = ForbiddenBall::new(radius, shared.as_ref());
     found.lower = cover.lower();
     let [from_b, from_a] = shared.map_or([[0.0; 3]; 2], |shared| shared.inwards);
-    // The point leaves B.
+    // Moves the point out of B.
     found.way.try_along(&from_b.map(|x| -x), &cover, bodies)?;
     let mut is_guessed = false;
     loop {

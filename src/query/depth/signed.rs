@@ -1,4 +1,4 @@
-//! The signed distance: positive where two bodies are apart, minus their depth where they are not.
+//! The signed distance: positive if two bodies are apart, otherwise minus their penetration depth.
 
 use super::interval::DepthInterval;
 use super::packings::Packings;
@@ -17,25 +17,26 @@ use crate::vector::{cross, difference, unit};
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct SignedDistance {
-    /// Lower bound, in the bodies' unit: of bodies that meet, minus the upper bound of their depth.
+    /// Lower bound, in the bodies' unit. If the bodies meet: minus the upper bound of their depth.
     pub lower: f64,
-    /// Upper bound: of bodies that meet, minus the lower bound of their depth.
+    /// Upper bound. If the bodies meet: minus the lower bound of their depth.
     pub upper: f64,
     /// The unit vector along which a translation of A raises the distance the fastest: from the point of B to that of A
-    /// where they are apart, along the translation of the depth where they are not. Zeros if none is known.
+    /// if they are apart, otherwise along the translation of the depth. Zeros if none is known.
     pub normal: Point,
-    /// The point of A, in B's frame: the nearest to B, or the one that touches B last when A leaves along the normal.
+    /// The point of A, in B's frame: the nearest to B, or the last one in contact with B while A moves out along the
+    /// normal.
     pub a: Point,
     /// The point of B.
     pub b: Point,
-    /// The derivative by the pose, of the distance between the two points along the normal: three numbers for a
-    /// translation of A along the axes of B's frame, then three for a rotation of A about them, through the origin of
-    /// B's frame, in radians. It is that of the distance wherever that is smooth; of bodies that meet, that of the
-    /// translation found, whose length is `-lower`.
+    /// The derivative, with respect to the pose, of the distance between the two points along the normal: three numbers
+    /// for a translation of A along the axes of B's frame, then three for a rotation of A about these axes, through the
+    /// origin of B's frame, in radians. It is the derivative of the distance wherever that is smooth; if the bodies
+    /// meet, that of the length `-lower` of the translation found.
     pub gradient: [f64; 6],
     /// [`Completion::OutOfBudget`] if the search was cut short. The bounds are valid in either case.
     pub completion: Completion,
-    /// The work.
+    /// The work of the query.
     pub stats: QueryStats,
 }
 
@@ -48,11 +49,11 @@ impl From<SignedSeparation> for SignedDistance {
 }
 
 impl Query {
-    /// The [distance](Query::distance) of body `a`, placed by `pose` in the frame of body `b`, from `b` where they are
-    /// apart, and minus their [depth](Query::depth) where they meet, with its derivative by the pose.
+    /// The [distance](Query::distance) of body `a`, placed by `pose` in the frame of body `b`, from `b`, or minus their
+    /// [depth](Query::depth) if they meet, with its derivative with respect to the pose.
     ///
     /// # Errors
-    /// [`ToleranceError`] if `tolerance`, which is that of the distance, is negative, infinite or NaN.
+    /// [`ToleranceError`] if `tolerance`, which applies to the distance, is negative, infinite or NaN.
     pub fn signed_distance<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,
@@ -108,7 +109,8 @@ impl Query {
 }
 
 impl SignedDistance {
-    /// That of two convex sets in one frame ([`signed_separation`]). `tolerance` is that of the distance and the depth.
+    /// The signed distance of two convex sets in one frame ([`signed_separation`]). `tolerance` applies to the distance
+    /// and the depth.
     ///
     /// # Errors
     /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN.
@@ -123,7 +125,7 @@ impl SignedDistance {
         DepthInterval { lower, upper, translation, completion: self.completion, stats: self.stats }
     }
 
-    /// What follows from the normal and the points.
+    /// The result with this normal and these points, and the gradient that follows.
     pub(crate) fn along(normal: Point, a: Point, b: Point) -> Self {
         // A rotation by w moves the point by w x a, and the distance by n . (w x a) = w . (a x n).
         let [[x, y, z], [p, q, r]] = [normal, cross(&a, &normal)];

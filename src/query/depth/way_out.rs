@@ -1,11 +1,11 @@
 //! The upper bound of the depth: the shortest translation found after which the bodies are free.
 //!
-//! Along a direction, places are asked outwards from what is known to be forbidden, until one is free; the way between
-//! it and the last one that is not is halved. From there a descent approaches the bodies. At the place t, where they are
-//! a gap g apart and n points from B's nearest point to A's, the translation `n (n . t - g)` is the nearest to the
-//! origin of those that the plane between the two nearest points separates: of convex bodies it is free. Of others it
-//! may not be; then the descent goes only part of that way, or straight towards the origin by g, which is always free.
-//! Every place is asked exactly.
+//! Along a direction, the search tests translations outwards from those known to be forbidden until one is free, and
+//! bisects between it and the last one that is not. From there a descent approaches the bodies. At a translation t with
+//! the gap g, let n be the unit vector from B's nearest point to A's. Of the translations at which the plane between
+//! these points separates the bodies, `n (n . t - g)` is the nearest to the origin: for convex bodies it is free. For
+//! others it may not be; then the descent goes only part of the way there, or straight towards the origin by g, which
+//! is always free. The exact query tests every translation.
 
 use super::cover::ForbiddenBall;
 use super::interval::OutOfBudget;
@@ -14,13 +14,13 @@ use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, dot, length, unit};
 
-/// The best translation so far, and the directions that are still to be tried.
+/// The best translation so far, and the directions still to be tried.
 pub(super) struct WayOut {
     pub(super) upper: f64,
     pub(super) translation: Point,
     /// Number of fixed directions tried.
     fixed: usize,
-    /// Number of directions tried about the best one since it changed, and how far from it.
+    /// Number of directions tried about the best one since it changed, and their offset from it.
     beside: usize,
     reach: f64,
     /// Whether the bodies touch after the best translation.
@@ -30,25 +30,26 @@ pub(super) struct WayOut {
 /// A descent begins at this fraction of the best translation's length.
 const SHORTER: f64 = 0.98;
 const MOST_STEPS: usize = 24;
-/// Where nothing is known to be forbidden, the search along a direction begins at this fraction of the way that is
-/// always enough.
+/// If nothing is known to be forbidden, the search along a direction begins at this fraction of the length that always
+/// separates the bodies.
 const LEAST: f64 = power_of_two(-12);
-/// The first step beyond what is forbidden; the next ones double.
+/// The first step beyond what is forbidden, as a fraction of it; the steps double.
 const FIRST_AHEAD: f64 = power_of_two(-4);
 const MOST_AHEAD: usize = 40;
-/// While the lower bound still grows, only a way out that may be as short as this multiple of it is shortened.
+/// While the lower bound still grows, a free translation is refined only if its direction may allow one as short as
+/// this multiple of the bound.
 const PROMISING: f64 = 1.25;
 const MOST_HALVINGS: usize = 8;
-/// Relative tolerances of gaps on the way to the bodies, and where they are to touch.
+/// Relative tolerances of gaps during a descent, and in the last descent to contact.
 const ROUGH: f64 = power_of_two(-3);
 const FINE: f64 = power_of_two(-10);
 /// A descent ends at a gap of this fraction of the translation.
 const NEAR: f64 = power_of_two(-7);
-/// So does the last one, from the best translation of all.
+/// The last descent, from the best translation of all, ends at this fraction.
 const TOUCHING: f64 = power_of_two(-37);
-/// What remains of a gap, relatively: more than the rounding of the verdict.
+/// The fraction of a gap that a step keeps: more than the rounding of the verdict.
 const KEPT: f64 = power_of_two(-30);
-/// To the faces, edges and corners of a cube.
+/// Number of fixed directions: to the faces, edges and corners of a cube.
 const FIXED: usize = 26;
 const BESIDE: usize = 6;
 const NEAREST: f64 = 0.02;
@@ -78,7 +79,7 @@ impl WayOut {
         }
     }
 
-    /// Tries a fixed direction, or if there are no more, one near the best.
+    /// Tries a fixed direction, or when these are used up, one near the best.
     pub(super) fn try_next(
         &mut self,
         cover: &ForbiddenBall,
@@ -118,8 +119,8 @@ impl WayOut {
         Ok(())
     }
 
-    /// Looks along a direction for a place where the bodies are free, from what is known to be forbidden to a little
-    /// less than the best translation, and descends from there.
+    /// Searches along a direction for a free translation, from what is known to be forbidden to a little less than the
+    /// best translation, and descends from there.
     pub(super) fn try_along(
         &mut self,
         direction: &Point,
@@ -150,7 +151,7 @@ impl WayOut {
         Ok(())
     }
 
-    /// Halves the way between a place along a direction where the bodies meet and a free one, and descends from there.
+    /// Bisects between a hit and a free translation along a direction, and descends from there.
     fn approach(
         &mut self,
         along: &Point,
@@ -184,7 +185,7 @@ impl WayOut {
         Ok(())
     }
 
-    /// From a free translation, until the gap is this small.
+    /// Descends from a free translation until the gap is at most the fraction `until` of its length.
     fn descend(&mut self, mut t: Point, until: f64, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         for _ in 0..MOST_STEPS {
             let tolerance = if until < NEAR { FINE } else { ROUGH };
@@ -217,13 +218,13 @@ impl WayOut {
     }
 }
 
-/// The last hit along a direction, from outside.
+/// The last hit along a direction, approached from outside.
 pub(super) fn along(direction: &Point, bodies: &mut impl PosedPair) -> Result<f64, OutOfBudget> {
     let Some(along) = unit(direction) else { return Ok(f64::INFINITY) };
     let at = |far: f64| along.map(|x| x * far);
     let (mut far, mut best) = (bodies.far(), f64::INFINITY);
     let smallest = TOUCHING * far;
-    // No place nearer than the gap is a hit, so none is passed.
+    // A step by the gap passes no hit.
     for _ in 0..4096 {
         if !bodies.is_free(&at(far))? {
             break;

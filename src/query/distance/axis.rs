@@ -8,8 +8,8 @@
 //! ```
 //!
 //! apart, and the supports of a volume along e and -e follow from three of its planes, as in re-alignment. The first
-//! term is the same for all volumes, so only the others are compared: they are as large as the bodies, and are rounded
-//! relative to that, whatever the distance. Squares of gaps would be rounded relative to the distance.
+//! term is the same for all volumes, so the search compares only the others. They are as large as the bodies, and their
+//! rounding is relative to that, whatever the distance. The rounding of squared gaps would be relative to the distance.
 //!
 //! The bound ignores the lateral offset of two volumes: an offset of w makes them farther apart by `w^2 / (2 |s|)`.
 //! From [`FAR`] on that is small compared with their sizes.
@@ -36,7 +36,7 @@ pub(super) struct Axis {
     axis: Point,
     /// From the centre of B to that of A.
     shift: Point,
-    /// Lower bound of the distance of the centres along the axis, less all that `f64` may lose.
+    /// Lower bound of the distance of the centres along the axis, minus all rounding errors in `f64`.
     between: f64,
     /// The scale of the unit of volumes.
     scale: f64,
@@ -99,7 +99,7 @@ impl Axis {
         (self.between + f64::from(bound) / self.scale) * SHORTENED
     }
 
-    /// The support of moved primitives of A towards B.
+    /// The support of A's moved primitives towards B.
     #[inline(always)]
     pub(super) fn reach<P: Primitive>(&self, b: &Frame, items: &[P::Item]) -> f32 {
         let mut greatest = f64::NEG_INFINITY;

@@ -1,8 +1,8 @@
 //! Lower bounds of the distances between volumes: along all directions if the bodies are near, or along one line
 //! ([`Axis`]) if they are far apart.
 //!
-//! Bounds are `f32` that have the order of the distances: squared distances for near bodies, and distances relative to
-//! that of the centres for far ones. The unit is that of the larger body's frame.
+//! Bounds are `f32` in the order of the distances: squared distances for near bodies, and for far ones, distances
+//! relative to that of the centres. The unit is that of the larger body's frame.
 
 use super::axis::Axis;
 use crate::exact::{power_of_two, round_up_f32};
@@ -15,10 +15,10 @@ use crate::query::entry::QueryStats;
 use crate::query::lanes::{Lanes, growth};
 use crate::realign::shrinkage;
 
-/// Number of nodes of A whose rotated planes are kept: the last on each level, with levels counted modulo this.
+/// Number of nodes of A whose rotated planes are kept: the last on each level, modulo this number.
 const KEPT: usize = 4;
 
-/// More than squares lose that are too small for a normal `f32`.
+/// Exceeds the loss of squares that are too small for a normal `f32`.
 const UNDERFLOW: f64 = power_of_two(-140);
 
 /// The bounds of a query.
@@ -39,7 +39,7 @@ pub(super) struct Near<'t, N: Lanes> {
     turned: &'t mut Kept<N>,
 }
 
-/// The planes of the nodes of A that were rotated last, one of a level.
+/// The planes of the nodes of A that were rotated last, one for each level.
 pub(super) type Kept<N> = [(Child, <N as Lanes>::PlaneRows); KEPT];
 
 /// Bodies are of different size if the radius of one is above this multiple of the other's.
@@ -96,7 +96,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
         }
     }
 
-    /// Upper bound of the bounds of volumes at this distance, which is in the bodies' unit.
+    /// Upper bound of the `f32` bounds of volumes at this distance, which is in the bodies' unit.
     pub(super) fn of_distance(&self, distance: f64) -> f32 {
         match self {
             Self::Near(near) => {
@@ -190,7 +190,7 @@ mod tests {
                 // In the bodies' unit, about the distance of the bodies.
                 let distance = (far + f64::from(i) * 0.731) * power_of_two(-3);
                 let bound = bounds.of_distance(distance);
-                // The bound before it was rounded up, known up to rounding in `f64`.
+                // The bound before it was rounded up, computed in `f64`.
                 let (exact, rounding) = match &bounds {
                     Bounds::Near(_) => ((8.0 * distance) * (8.0 * distance), 1e-15),
                     Bounds::Far(_) => (8.0 * (distance - bounds.distance(0.0)), 1e-15),

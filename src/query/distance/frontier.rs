@@ -9,11 +9,11 @@ use crate::query::setup::Side;
 #[derive(Copy, Clone, Debug)]
 pub(super) struct VolumeA {
     pub(super) child: Child,
-    /// Link to the node that has it as a child; empty for the root.
+    /// Link to its parent node; empty for the root.
     pub(super) parent: Child,
     pub(super) lane: u8,
     pub(super) level: u8,
-    /// Of nodes only; leaves are not opened.
+    /// Set for nodes only; leaves are not opened.
     pub(super) width: f32,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct VolumeB {
     pub(super) width: f32,
 }
 
-/// A volume that is wider than the other by this factor is opened next, whatever their levels.
+/// A volume wider than the other by this factor is opened next, whatever their levels.
 const WIDER: f32 = 4.0;
 
 impl VolumeA {
@@ -38,25 +38,25 @@ impl VolumeA {
     }
 }
 
-/// A step that was taken, and the lanes that are still pending.
+/// A finished step, and the lanes that are still pending.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Opened {
     pub(super) entries: Entries,
     pub(super) a: VolumeA,
     pub(super) b: VolumeB,
-    /// Whose children the lanes are.
+    /// The body whose children the lanes are.
     pub(super) body: Side,
 }
 
 /// Every step is a level deeper in one of the trees.
 const MAX_OPENED: usize = 2 * MAX_DEPTH;
 
-/// Bytes of the stack of a distance query, whatever the trees: below 5 KB.
+/// Bytes of the stack of a distance query, for all trees: below 5 KB.
 pub const DISTANCE_STACK_BYTES: usize = size_of::<Frontier>();
 const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance query fits in 5 KB");
 
 impl Opened {
-    /// To be overwritten: zeros, which are written faster than four kilobytes are copied.
+    /// Initial value, to be overwritten: writing zeros is faster than copying four kilobytes.
     const BLANK: Self = Self {
         entries: [Entry::ZEROS; 16],
         a: VolumeA { child: Child::ROOT, parent: Child::ROOT, lane: 0, level: 0, width: 0.0 },

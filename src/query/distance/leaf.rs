@@ -1,4 +1,4 @@
-//! The leaf of A that is pending while B is traversed: its moved primitives, and what is computed from them once.
+//! The leaf of A that is pending while B is traversed: its moved primitives, and data computed from them once.
 
 use super::axis::Axis;
 use crate::frame::Frame;
@@ -29,7 +29,7 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
         Self { leaf: Child::EMPTY, moved, planes: N::NO_PLANES, reach: 0.0, is_bounded: false }
     }
 
-    /// Its moved primitives; none if `leaf` is not a leaf.
+    /// The leaf's moved primitives; none if `leaf` is not a leaf.
     #[inline(always)]
     pub(super) fn items(&mut self, a: &BvhRef<'_, N, P>, pose: &Pose, leaf: Child) -> &[P::Item] {
         let Link::Leaf { first, count } = leaf.link() else { return &[] };

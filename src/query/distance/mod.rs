@@ -25,12 +25,12 @@ use search::{Goal, Outcome, search};
 
 impl Query {
     /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two primitives that do,
-    /// or, as [`Query::collide`] does, two of bodies that are inside of a solid; [`Verdict::Free`] means that the
-    /// bodies are farther apart than `margin`.
+    /// or as in [`Query::collide`], two primitives of bodies one of which is inside the other; [`Verdict::Free`] means
+    /// that the bodies are farther apart than `margin`.
     ///
-    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit unless its
-    /// distance is certainly above the margin, where the distance is known to 2^-90 of the primitives' extent or to
-    /// 2^-50 of itself, whichever is greater. It is known less well for needles that almost touch: see
+    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For other margins, a pair is a hit
+    /// unless its distance is certainly above the margin. The distance is known to 2^-90 of the primitives' extent or
+    /// 2^-50 of itself, whichever is greater, and less precisely for needles that almost touch: see
     /// [`crate::primitive::triangle::distance`].
     ///
     /// A margin may have any size. Above three tenths of the smaller body's radius, the query switches from widened
@@ -62,7 +62,7 @@ impl Query {
         }))
     }
 
-    /// [`Query::within`] of the primitives alone.
+    /// [`Query::within`] for the primitives alone.
     fn near_surfaces<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &BvhRef<'_, N, P>,
@@ -90,13 +90,13 @@ impl Query {
         Answer { stats: answer.stats.and(&rest.stats), ..rest }
     }
 
-    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are closest. Zero
-    /// if and only if they meet, or one is inside of the other, which is [solid](crate::construct::Builder::solid). The
+    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and the closest points. Zero if
+    /// and only if they meet, or one is inside the other, which is [solid](crate::construct::Builder::solid). The
     /// search ends at the first common point.
     ///
     /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01 gives a
-    /// rough distance, and 0 the precision of `f64` (2^-42 relatively). A budget ends it with the bounds found so far.
-    /// Bodies may be any distance apart, and differ in size by any factor.
+    /// rough distance, and 0 the precision of `f64` (a relative 2^-42). A budget ends the search with the bounds found
+    /// so far. Bodies may be any distance apart, and differ in size by any factor.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -127,12 +127,12 @@ impl Query {
         self.distance_up_to(a, b, pose, tolerance, f64::INFINITY)
     }
 
-    /// [`Query::distance`] of bodies that are nearer than `cutoff`, in their unit. For others the result is only that
+    /// [`Query::distance`] for bodies nearer than `cutoff`, in their unit. For other bodies the result is only that
     /// they are at least that far apart: `lower` is at least the cutoff, `upper` is infinite and there is no witness.
     /// If the distance equals the cutoff, up to the tolerance, either answer is possible.
     ///
-    /// For the nearest of many bodies: with the least `upper` so far as cutoff, the query abandons farther bodies after
-    /// a few visits, most of them before the first.
+    /// Use it to find the nearest of many bodies: with the least `upper` so far as the cutoff, the query abandons
+    /// farther bodies after a few visits, most of them before the first.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -190,7 +190,7 @@ impl Query {
         Ok(self.or_none(found, &a, &b, pose))
     }
 
-    /// The distance of two surfaces, for bodies that may be solid: 0 if one is inside of the other.
+    /// The distance of two surfaces, for bodies that may be solid: 0 if one is inside the other.
     #[inline(always)]
     fn or_none<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
@@ -222,7 +222,7 @@ impl Query {
         }
     }
 
-    /// The distance of two bodies that are not inside of each other: 0 if one meets a cap of the other.
+    /// The distance of two bodies, neither of which is inside the other: 0 if one meets a cap of the other.
     #[cold]
     #[inline(never)]
     fn or_none_on_caps<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
@@ -235,7 +235,7 @@ impl Query {
         let query = self.with_hint(Hint::NONE);
         let goal = Goal::Distance { tolerance: TIGHT, cutoff: f64::MIN_POSITIVE };
         let mut stats = surfaces.stats;
-        // A cap is named by a primitive beside it.
+        // A primitive beside the cap represents it.
         let of_b = b.caps().map(|caps| {
             let outcome = query.after(&stats).search(*a, caps, pose, goal);
             stats = stats.and(&outcome.stats);
@@ -270,8 +270,8 @@ impl Query {
         }
     }
 
-    /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs widened by it would
-    /// nearly all overlap.
+    /// [`Query::within`] for bodies that are not empty, and small compared with the margin: nearly all k-DOPs widened
+    /// by the margin would overlap.
     fn first_near<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
         a: BvhRef<'_, N, P>,
@@ -299,14 +299,14 @@ impl Query {
     }
 }
 
-/// Volumes that are widened by a margin overlap far more often than they are within it: the wider, the more. Up to this
-/// fraction of the smaller body's radius they are used nevertheless.
+/// Volumes widened by a margin overlap far more often than they are within it, and the more so the larger the margin.
+/// Up to this fraction of the smaller body's radius, the query uses them nevertheless.
 const SMALL: f64 = 0.3;
-/// Above this multiple of the radius they cull almost nothing.
+/// Above this multiple of the radius, widened volumes cull almost nothing.
 const LARGE: f64 = 3.0;
 /// In between, the number of visits with widened volumes before the search for the nearest primitives begins: undecided
 /// pairs would take far more.
 const FEW: u64 = 4;
-/// The same for bodies of at most [`COARSE`] primitives, of which it decides most pairs.
+/// The same for bodies of at most [`COARSE`] primitives: it decides most of these queries.
 const FEW_OF_COARSE: u64 = 24;
 const COARSE: usize = 1024;

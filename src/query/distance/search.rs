@@ -41,7 +41,7 @@ pub(super) struct Best {
 #[derive(Debug)]
 pub(super) struct Outcome {
     pub(super) completion: Completion,
-    /// Its `lower` bounds the bodies' distance.
+    /// The best pair. Its `lower` bounds the bodies' distance.
     pub(super) best: Best,
     /// Two primitives within the margin.
     pub(super) hit: Option<Found>,
@@ -62,7 +62,7 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     best: Best,
     hit: Option<Found>,
     pub(super) threshold: Threshold,
-    /// Those of the last leaf that was pending against a node of the other tree.
+    /// The primitive gaps of the last leaf that was pending against a node of the other tree.
     pub(super) primitive_gaps: Option<(Cutter, PrimitiveGaps)>,
     pub(super) leaf: LeafA<N, P>,
     /// A node whose lane 0 is the hull of B.
@@ -94,10 +94,10 @@ pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
     )
 }
 
-/// Primitive slabs are tested if children of this weight are within the threshold ([`weight`]).
+/// Primitive slabs are tested if children with at least this total weight are within the threshold ([`weight`]).
 const WORTH_RAISING: usize = 16;
-/// With a margin they are tested only from this visit on, since most often the first pair of primitives decides
-/// earlier.
+/// With a margin, primitive slabs are tested only from this visit on, since the first pair of primitives usually
+/// decides earlier.
 const FIRST_VISITS: u64 = 12;
 
 impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
@@ -137,7 +137,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Tests the pair of the hint. A search for a distance without cutoff needs some first pair.
+    /// Tests the hint's pair. A distance search without a cutoff needs some first pair.
     #[inline(always)]
     fn try_first(&mut self, hint: Option<Found>) {
         let first = match self.goal {
@@ -165,8 +165,8 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         let exact = &mut self.stats.exact_pairs;
         match self.goal {
             Goal::Distance { tolerance, cutoff } => {
-                // The pair may be beyond the threshold. A pair beyond the cutoff is no better than those that were
-                // dropped, and must not raise the threshold.
+                // The pair may be beyond the threshold. A pair beyond the cutoff is no better than the dropped pairs,
+                // and must not raise the threshold.
                 let pair = P::nearer(moved, &still, self.threshold.distance, tolerance, exact);
                 if let Some(pair) = pair.filter(|pair| pair.lower < cutoff) {
                     self.note(found, &pair, tolerance, cutoff);
@@ -240,7 +240,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         Completion::Complete
     }
 
-    /// Lower bound of the distance of every pair of primitives that was dropped or tested.
+    /// Lower bound of the distances of all pairs of primitives that were dropped or tested.
     fn certain(&self) -> f64 {
         self.best.lower.min(self.threshold.distance)
     }
@@ -340,7 +340,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
     }
 
     /// Raises the bounds of a step by primitive slabs if a pending leaf is wider than the node that was opened. Bodies
-    /// of similar size, which have no widths, have too few such steps to pay for the test.
+    /// of similar size, for which no widths are computed, have too few such steps for the test to pay.
     #[inline(always)]
     pub(super) fn raise(&mut self, step: &mut Opened) {
         let first_visits = if let Goal::Within { .. } = self.goal { FIRST_VISITS } else { 0 };

@@ -9,24 +9,25 @@ use super::{Hint, Pair, QueryStats};
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum Verdict {
     /// The bodies meet, or come within the margin of each other, and these primitives do. Or a part of one body is
-    /// inside of the other, which is [solid](crate::construct::Builder::solid): then one is a primitive of that part,
-    /// and the other is the solid's with the lowest index of those that a ray from a corner of the former crosses.
+    /// inside the other, which is [solid](crate::construct::Builder::solid): then one is a primitive of that part. The
+    /// other is a primitive of the solid: among those that a ray from a corner of the former crosses, the one with the
+    /// lowest index.
     Hit(Pair),
-    /// No primitive of A meets one of B, or comes within the margin of one, and no body has a part inside of a solid.
+    /// No primitive of A meets one of B, or comes within the margin of one, and no body has a part inside a solid.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
     /// `lower ..= upper`.
     Unknown {
-        /// Lower bound of the distance, in the bodies' unit. Zero: pending volumes overlap.
+        /// Lower bound of the distance, in the bodies' unit: zero, since pending volumes overlap.
         lower: f64,
-        /// Upper bound of the distance, in the bodies' unit: that of two points in pending volumes.
+        /// Upper bound of the distance, in the bodies' unit: the distance of two points in pending volumes.
         upper: f64,
     },
 }
 
 impl Verdict {
     /// Whether the bodies are certainly free: apart, or farther apart than the margin. A planner must test this, not
-    /// the absence of a hit: with a budget, no hit does not mean free.
+    /// the absence of a hit: with a budget, a query without a hit need not be free.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self, Self::Free)
@@ -67,8 +68,8 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work of the query.
     pub stats: QueryStats,
-    /// The primitives that met, for the next query to [try first](Query::with_hint). If none did, also where a body is
-    /// inside of a solid, the hint of this query.
+    /// The primitives that met, for the next query to [try first](Query::with_hint). If no primitives met, even if a
+    /// body is inside a solid: the hint of this query.
     pub hint: Hint,
 }
 

@@ -1,12 +1,12 @@
-//! Temporal coherence: what a caller carries from one query to the next.
+//! Temporal coherence: the state that a caller passes from one query to the next.
 
 use super::Pair;
 use crate::hierarchy::BvhRef;
 use crate::node::Node;
 use crate::primitive::Primitive;
 
-/// The primitives that a query found, for the next query of the same bodies at a nearby pose to try first: those that
-/// met, or those that were closest.
+/// The primitives that a query found: those that met, or were closest. The next query of the same bodies at a nearby
+/// pose tries them first.
 ///
 /// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested like any others.
 /// It changes which pair a [`Verdict::Hit`](super::Verdict::Hit) names, the query statistics, and, where several pairs
@@ -36,7 +36,7 @@ impl Hint {
     /// No hint.
     pub const NONE: Self = Self(None);
 
-    /// As an integer, for foreign interfaces: `u64::MAX` for none.
+    /// The hint as an integer, for foreign interfaces: `u64::MAX` for none.
     #[must_use]
     pub const fn to_bits(self) -> u64 {
         match self.0 {
@@ -45,7 +45,7 @@ impl Hint {
         }
     }
 
-    /// From the result of [`Hint::to_bits`]. Any other number is a hint like one of other bodies.
+    /// From the result of [`Hint::to_bits`]. Any other number acts like a hint from other bodies.
     #[must_use]
     pub const fn from_bits(bits: u64) -> Self {
         if bits == u64::MAX {

@@ -1,4 +1,4 @@
-//! What all queries share: settings, answers, and the tests of pairs of primitives.
+//! Common parts of all queries: settings, answers, and the tests of pairs of primitives.
 
 mod answer;
 mod hint;

@@ -1,12 +1,14 @@
 //! The tests of pairs of primitives.
 
+use crate::exact::power_of_two;
 use crate::kernel::Kernel;
-use crate::primitive::shape::{self, Core};
+use crate::primitive::shape::{self, Core, Depth};
 use crate::primitive::sphere::against_sphere;
 use crate::primitive::sphere_against_triangle as against_triangle;
 use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
 use crate::primitive::{Primitive, Separation, Shape, Shapes, Sphere, Spheres};
+use crate::vector::{difference, length};
 
 /// The tests of a primitive of this kind against one of the `Other` kind. A query between two bodies needs them for
 /// both orders, since a leaf of either body may be tested against several of the other.
@@ -19,7 +21,7 @@ pub trait PrimitivePair<Other: Primitive>: Primitive {
     /// Prepares a primitive for tests against others with this margin.
     fn probe(item: &Self::Item, margin: f64) -> Self::Probe<'_>;
 
-    /// Whether the two meet. Touching counts.
+    /// Whether the two meet. Touching counts as meeting.
     fn meets(probe: &Self::Probe<'_>, other: &Other::Item, exact: &mut u64) -> bool;
 
     /// Bit i: the probe and primitive i are certainly farther apart than the margin of the probe; for margin 0, they do
@@ -41,7 +43,16 @@ pub trait PrimitivePair<Other: Primitive>: Primitive {
         tolerance: f64,
         exact: &mut u64,
     ) -> Option<Separation>;
+
+    /// Bounds of the length of the shortest translation of the first after which the two do not meet, certain up to the
+    /// rounding of positions; zeros for two that are apart. For two triangles, they are 0 and infinite.
+    fn depth(_item: &Self::Item, _other: &Other::Item) -> Depth {
+        Depth { lower: 0.0, upper: f64::INFINITY, direction: [0.0; 3] }
+    }
 }
+
+/// Tolerance of a depth.
+const TOLERANCE: f64 = power_of_two(-12);
 
 impl PrimitivePair<Self> for Triangles {
     type Probe<'t> = Probe<'t>;
@@ -106,6 +117,16 @@ impl PrimitivePair<Self> for Spheres {
     ) -> Option<Separation> {
         against_sphere::nearer(item, other, limit, tolerance, exact)
     }
+
+    fn depth(item: &Sphere, other: &Sphere) -> Depth {
+        let apart = difference(&item.centre, &other.centre);
+        let (sum, far) = (item.radius + other.radius, length(&apart));
+        let direction = if far > 0.0 { apart.map(|x| x / far) } else { [0.0, 0.0, 1.0] };
+        let rounding = 8.0 * f64::EPSILON * (sum + far);
+        let [lower, upper] =
+            [(sum - far) - rounding, (sum - far) + rounding].map(|x| if x > 0.0 { x } else { 0.0 });
+        Depth { lower, upper, direction }
+    }
 }
 
 impl PrimitivePair<Triangles> for Spheres {
@@ -135,6 +156,10 @@ impl PrimitivePair<Triangles> for Spheres {
         exact: &mut u64,
     ) -> Option<Separation> {
         against_triangle::nearer(item, other, limit, tolerance, exact)
+    }
+
+    fn depth(item: &Sphere, other: &Triangle) -> Depth {
+        shape::depth(&Self::shape(item), &Triangles::shape(other), TOLERANCE)
     }
 }
 
@@ -166,6 +191,10 @@ impl PrimitivePair<Spheres> for Triangles {
     ) -> Option<Separation> {
         let found = against_triangle::nearer(other, item, limit, tolerance, exact)?;
         Some(Separation { a: found.b, b: found.a, ..found })
+    }
+
+    fn depth(item: &Triangle, other: &Sphere) -> Depth {
+        shape::depth(&Self::shape(item), &Spheres::shape(other), TOLERANCE)
     }
 }
 
@@ -224,6 +253,10 @@ macro_rules! pairs_of_shapes {
                 exact: &mut u64,
             ) -> Option<Separation> {
                 shape::nearer(&Self::shape(item), &$b::shape(other), limit, tolerance, exact)
+            }
+
+            fn depth(item: &Self::Item, other: &<$b as Primitive>::Item) -> Depth {
+                shape::depth(&Self::shape(item), &$b::shape(other), TOLERANCE)
             }
         })*
     };

@@ -3,7 +3,7 @@
 use super::{Answer, Hint, QueryStats, Verdict};
 use crate::isa::Isa;
 
-/// The settings of a query; its methods run it.
+/// The settings of a query; the methods run queries.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Query {
     isa: Isa,
@@ -18,7 +18,7 @@ impl Query {
         Self { isa, budget: u64::MAX, hint: Hint::NONE }
     }
 
-    /// Gives up after `visits` visits (see [`QueryStats::visits`]).
+    /// Sets the budget: a query gives up after `visits` visits (see [`QueryStats::visits`]).
     #[must_use]
     pub const fn with_budget(self, visits: u64) -> Self {
         Self { budget: visits, ..self }
@@ -28,7 +28,8 @@ impl Query {
         self.isa
     }
 
-    /// Tests first what an earlier query of the same bodies found, for coherent motion. See [`Hint`].
+    /// Sets the hint: a query first tests what an earlier query of the same bodies found, for coherent motion. See
+    /// [`Hint`].
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query, query::Hint};
@@ -61,7 +62,7 @@ impl Query {
         self.budget
     }
 
-    /// With the rest of its budget after some work.
+    /// The query with the rest of its budget after some work.
     pub(crate) const fn after(&self, work: &QueryStats) -> Self {
         self.with_budget(self.budget - work.visits)
     }

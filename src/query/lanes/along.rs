@@ -7,8 +7,8 @@ use crate::key::Storage;
 use crate::range::Point;
 use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW};
 
-/// How to bound the supports of one body's volumes along an axis, from three of their planes with weights: a
-/// re-alignment to one direction, relative to the centre of the body's own frame.
+/// Bounds the supports of one body's volumes along an axis, from three of their planes with weights: a re-alignment to
+/// one direction, relative to the centre of the body's own frame.
 #[derive(Copy, Clone, Debug)]
 pub struct Along {
     /// The planes.
@@ -20,7 +20,7 @@ pub struct Along {
 }
 
 impl Along {
-    /// For an axis in the body's own frame, of length at most slightly above 1, in a unit of `2^-exponent`, which is
+    /// Takes an axis in the body's own frame, of length at most slightly above 1. The unit is `2^-exponent`, which is
     /// not smaller than that of the body's frame.
     pub(crate) fn new<const K: usize>(axis: Point, body: &BodyBounds, exponent: i32) -> Self {
         let found = Directions::<K>::decompose(axis);

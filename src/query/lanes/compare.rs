@@ -1,5 +1,5 @@
-//! Which children overlap: the operations that differ between 1vs16 and 4vs4. A number returned with the lanes counts
-//! kernel calls.
+//! Overlap tests of children: the operations that differ between 1vs16 and 4vs4. A number returned with the lanes
+//! counts kernel calls.
 
 use super::rows::Rows;
 use crate::kernel::{Kernel, SEPARATED, Turned};
@@ -30,9 +30,9 @@ pub trait Compare: Dop {
     fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16;
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
-    /// [`Compare::realign`], then [`Compare::overlap_column`] of a lane of `b`, or without a lane
-    /// [`Compare::overlap_hull`]. `turned` already has the planes of the lanes in `whole`; those that overlap are added
-    /// to both.
+    /// [`Compare::realign`], then [`Compare::overlap_column`] with a lane of `b`, or without a lane
+    /// [`Compare::overlap_hull`]. `turned` already has the planes of the lanes in `whole`; the call adds the
+    /// overlapping lanes to both.
     #[doc(hidden)]
     fn realign_over<E: Kernel>(
         &self,
@@ -61,8 +61,8 @@ fn enclose<const V: usize, const W: usize, const K: usize, S: Storage>(
     turned: &Turned<V, K>,
     aimed: &mut Turned<W, K>,
 ) {
-    // In fixed point the planes of unused lanes are below all others, and so are sums of them by the same weights.
-    // Their half floats are NaN, which makes rotated planes unbounded.
+    // In fixed point, the planes of unused lanes are below all others, and so are their sums with the same weights. In
+    // half floats they are NaN, which makes rotated planes unbounded.
     let mut floor = [i16::MIN; V];
     if S::IS_HALF {
         for (floor, code) in floor.iter_mut().zip(&turned[0]) {
@@ -229,7 +229,7 @@ where
     }
 }
 
-/// Without the lanes of `node` that lie beyond one of the slabs.
+/// The lanes of `node` that lie beyond none of the slabs.
 #[inline(always)]
 pub(in crate::query) fn within_slabs<N: Compare, E: Kernel>(
     kernel: E,
@@ -255,7 +255,7 @@ mod tests {
     use crate::node::{Child, Node};
     use crate::pose::Pose;
 
-    /// All of a node is bounded by its used lanes alone, rotated or not: unused ones would make half floats unbounded.
+    /// Only used lanes bound a node as a whole, rotated or not: unused ones would make half floats unbounded.
     fn only_used_lanes_are_enclosed<S: Storage>()
     where
         Node16<6, S>: Compare<Map = Realignment<6, S>, Turned = Turned<16, 6>, Aimed = Turned<1, 6>>,

@@ -16,7 +16,7 @@ impl Entry {
     /// No lane, or one that is finished.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
-    /// To be overwritten.
+    /// Initial value, to be overwritten.
     pub(in crate::query) const ZEROS: Self = Self(0);
 
     /// Rounds the bound down, to 20 bits.
@@ -32,7 +32,7 @@ impl Entry {
         (self.0 & LANE_BITS) as usize
     }
 
-    /// The bound, rounded down: below zero it is the magnitude that is rounded up.
+    /// The bound, rounded down: for negative bounds, the magnitude is rounded up.
     #[inline(always)]
     pub(crate) const fn bound(self) -> f32 {
         let bits = self.0 & !LANE_BITS;
@@ -51,7 +51,7 @@ pub(crate) fn entries<const W: usize>(bounds: &[f32; W], links: &[Child; W]) -> 
     entries
 }
 
-/// Raises entries to the bounds of the same lanes that are above zero.
+/// Raises each entry to the bound of its lane, if that is above zero.
 #[inline(always)]
 pub(crate) fn raise<const W: usize>(entries: &mut Entries, bounds: &[f32; W]) {
     for (lane, (entry, bound)) in entries.iter_mut().zip(bounds).enumerate() {
@@ -73,7 +73,7 @@ pub(crate) fn weight(entries: &Entries, bound: f32, children: &[Child]) -> usize
 const WEIGHT_OF_INNER: usize = 8;
 
 /// The weight of a child in a count of the leaves that a test may cull. A node counts as several leaves, since it would
-/// be visited.
+/// cost a visit.
 #[inline(always)]
 pub(in crate::query) const fn weight_of(child: Child) -> usize {
     if let Link::Leaf { .. } = child.link() { 1 } else { WEIGHT_OF_INNER }

@@ -1,17 +1,17 @@
 //! Lower bounds of distances between volumes, for all children of a node at once.
 //!
 //! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart.
-//! Gaps along three orthogonal directions are those of boxes, whose distance is the root of the sum of their squares. k
-//! = 18 and 26 have four such **triads**, the others one. The bound is the greatest over all triads, and over the
-//! directions that are in none. The greatest gap alone would be lower by the cosine of the angle to the nearest
+//! Gaps along three orthogonal directions are those of boxes, whose distance is the root of the sum of the squared
+//! gaps. k = 18 and 26 have four such **triads**, the others one. The bound is the greatest over all triads, and over
+//! the directions that are in none. The greatest single gap would be lower by the cosine of the angle to the nearest
 //! direction, and twice as many volumes would be within reach (`DECISIONS.md`).
 //!
 //! Where volumes overlap, the greatest gap is the penetration depth, negated, so that a search can visit the deepest
 //! first.
 //!
-//! A's planes are rotated into B's frame as `f32`: a key cannot hold the distance of a body that is beyond B. The unit
-//! is that of the larger body's frame, so that no number here is above 2^26 and nothing overflows, whatever the ratio
-//! of their sizes.
+//! The search rotates A's planes into B's frame as `f32`: a key cannot hold the distance of a body beyond B. The unit
+//! is that of the larger body's frame, so no number here is above 2^26 and nothing overflows, whatever the ratio of the
+//! sizes.
 //!
 //! Plain Rust in a fixed order that compilers vectorise: the same bits on every instruction set.
 
@@ -38,8 +38,8 @@ impl<const K: usize> Slabs<K> {
         inverse
     };
 
-    /// The number of triads, and the triads: three orthogonal slabs each, or one that is in no such three, padded with
-    /// slab K - 1, which does not exist.
+    /// The number of triads, and the triads: three orthogonal slabs each, or one slab that is in no such three, padded
+    /// with slab K - 1, which does not exist.
     const TRIADS: (usize, [[usize; 3]; K]) = {
         let (mut count, mut triads) = (0, [[K - 1; 3]; K]);
         let mut used = [false; K];
@@ -76,7 +76,7 @@ impl<const K: usize> Slabs<K> {
 /// Factor from decoded planes of a body in `frame` to a unit of `2^-exponent`, which is not smaller than the frame's.
 #[inline(always)]
 pub(crate) fn growth(frame: &Frame, exponent: i32) -> f32 {
-    // Planes of a body that is so much smaller are below the underflow pad of the other body's planes.
+    // Planes of a much smaller body are below the underflow pad of the other body's planes.
     let smaller = frame.exponent - exponent;
     if smaller > 100 { 0.0 } else { power_of_two(-smaller) as f32 }
 }
@@ -128,8 +128,8 @@ pub(crate) fn column<const W: usize, const K: usize>(rows: &PlaneRows<W, K>, lan
     planes
 }
 
-/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to keys. `reach` bounds
-/// all coordinates.
+/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since they are not rounded to keys.
+/// `reach` bounds all coordinates.
 #[inline(always)]
 pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Planes<K> {
     let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
@@ -174,8 +174,8 @@ pub(crate) fn gaps_of_planes<const W: usize, const K: usize, S: Storage>(
     if growth == 0.0 {
         return [f32::MIN; W];
     }
-    // Shrinks the few planes of the volume instead of growing those of all children. What becomes subnormal is rounded
-    // up.
+    // Scales down the few planes of the volume instead of scaling up those of all children. Subnormal results are
+    // rounded up.
     let shrink = 1.0 / growth;
     let shrunk = planes.map(|plane| plane * shrink + f32::from_bits(1));
     gaps(
@@ -224,7 +224,7 @@ fn gaps<const W: usize, const K: usize>(
         }
     }
     for lane in 0..W {
-        // The square of a gap may underflow in `f32`, and the gap itself is not a bound of a square.
+        // The square of a gap may underflow in `f32`, and the gap itself does not bound a square.
         best[lane] = if best[lane] > 0.0 { best[lane] } else { lesser(signed[lane], 0.0) };
     }
     best
@@ -241,7 +241,7 @@ fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The planes of the hull of a node: the greatest of its lanes'. Those of unused lanes are lowest.
+/// The planes of the hull of a node: the greatest of its lanes. The planes of unused lanes are the lowest.
 #[inline(always)]
 pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i16; K] {
     let mut hull = [i16::MIN; K];

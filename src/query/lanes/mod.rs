@@ -1,4 +1,4 @@
-//! What the traversals compute from the planes of a node, for 1vs16 and 4vs4: overlap masks, gaps, supports.
+//! Computations on the planes of a node in traversals, for 1vs16 and 4vs4: overlap masks, gaps, supports.
 
 mod along;
 mod compare;
@@ -40,10 +40,10 @@ pub trait Lanes: Compare {
     type Planes: Copy + core::fmt::Debug;
     /// Rotated planes of a node's children, in `f32`.
     type PlaneRows: Copy + core::fmt::Debug;
-    /// To be overwritten: all zeros, which need no copy.
+    /// Initial value, to be overwritten: all zeros, which need no copy.
     #[doc(hidden)]
     const UNTURNED: Self::Turned;
-    /// Likewise.
+    /// Initial value, likewise.
     #[doc(hidden)]
     const UNMAPPED: Self::Map;
     #[doc(hidden)]
@@ -71,7 +71,7 @@ pub trait Lanes: Compare {
         exponent: i32,
         margin: f64,
     ) -> u32;
-    /// [`Lanes::aim`] for those planes only that have a bit in `wanted`.
+    /// [`Lanes::aim`], only for the planes that have a bit in `wanted`.
     #[doc(hidden)]
     fn aim_some<P: Primitive>(
         aimed: &mut Self::Aimed,

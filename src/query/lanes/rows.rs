@@ -7,7 +7,7 @@ use crate::node::Child;
 pub struct Rows {
     /// Row i: the children of B that child i of A overlaps.
     pub(crate) rows: [u16; 16],
-    /// Bit i, of 16: row i has a bit. Stored in 32 bits, since a 16-bit load was compiled to a 32-bit one, which
+    /// Bit i of 16: row i is not empty. Stored in 32 bits, since a 16-bit load was compiled to a 32-bit one, which
     /// stalled on the adjacent stores: 5 % of a query.
     pub(crate) pending: u32,
 }
@@ -21,7 +21,7 @@ impl Rows {
     }
 }
 
-/// What the bits of an entry stand for.
+/// The meaning of the bits of an entry.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(in crate::query) enum Descent {
     /// Row i: the children of B that child i of A overlaps.

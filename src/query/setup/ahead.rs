@@ -13,9 +13,8 @@ pub(in crate::query) trait LookAhead: Copy {
     /// Whether the two are certainly farther apart than the threshold.
     fn is_far<P: Primitive, Q: Primitive>(&self, a: &P::Item, b: &Q::Item) -> bool;
 
-    /// Sets the axis, from one point to another: the closest points of two primitives, as other pairs are most often
-    /// separated along the same axis. Pairs that are farther apart than `threshold` may be culled. `reach` bounds all
-    /// coordinates.
+    /// Sets the axis to the line through the closest points of two primitives, since it separates most other pairs,
+    /// too. Pairs that are farther apart than `threshold` may be culled. `reach` bounds all coordinates.
     fn look_along(&mut self, closest: [Point; 2], threshold: f64, reach: f64);
 }
 
@@ -32,15 +31,15 @@ impl LookAhead for () {
     fn look_along(&mut self, _: [Point; 2], _: f64, _: f64) {}
 }
 
-/// Culls most pairs of primitives by one axis: that of the best pair so far, or, within a margin, of the pair that was
-/// compared last.
+/// Culls most pairs of primitives by one axis: that of the best pair so far, or with a margin, of the pair compared
+/// last.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Ahead {
     /// From B to A, not normalised.
     axis: Point,
     /// Pairs with a gap above this along the axis are culled. Infinite if there is no axis.
     limit: f64,
-    /// Upper bound of the axis's length: a radius reaches this many times as far along the axis.
+    /// Upper bound of the axis's length: a radius extends this many times as far along the axis.
     length: f64,
 }
 

@@ -2,8 +2,8 @@
 //!
 //! The test uses the balls about the centres of the two frames. Let `c_A` and `c_B` be the centres, `R_A` and `R_B` the
 //! radii of the bodies about them, M and t the pose, and `s = M c_A + t - c_B`. A moved point of A is `c_B + s + M d`
-//! with `|d| <= R_A`, up to rounding, and a sphere keeps its radius. So bodies that come within a margin m of each
-//! other have
+//! with `|d| <= R_A`, up to rounding, and a sphere keeps its radius. So for bodies that come within a margin m of each
+//! other
 //!
 //! ```text
 //! |s| <= |M| R_A + R_B + m
@@ -16,14 +16,14 @@
 //! * s in `f64`, and corners of A as [`Pose::apply`] rounds them and flushes them to zero: at most
 //!   `2^-46 (9 X + max abs(t))`, where `abs(t) <= abs(s) + 3 X`, and 2^-248. Covered by `2^-40 X`, [`GROWN`] and
 //!   2^-100.
-//! * M, which is accepted with `abs(M M^T - 1) <= 1e-4` on every entry, so that `|M|` is at most `1 + 1.5e-4`: at most
+//! * M, which is accepted with `abs(M M^T - 1) <= 1e-4` in every entry, so that `|M|` is at most `1 + 1.5e-4`: at most
 //!   `1.5e-4 R_A`. Covered by `2^-12 (R_A + R_B + m)`.
 //! * s, radii and margin to `f32`, and a dozen roundings of the sides: at most `2^-20` of them. Covered by [`GROWN`],
 //!   on each side of the square.
 //! * numbers too small for a normal `f32`: at most 2^-125 a term, and 2^-140 in squares. Covered by 2^-100, and 2^-120
 //!   in squares.
 //!
-//! Where the right side overflows to infinity, or a side is NaN, the comparison is false: the query decides.
+//! If the right side overflows to infinity, or a side is NaN, the comparison is false, and the query decides.
 
 use crate::exact::power_of_two;
 use crate::hierarchy::Header;

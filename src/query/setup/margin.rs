@@ -8,18 +8,18 @@ use crate::primitive::Primitive;
 use crate::query::lanes::Lanes;
 use crate::realign::greatest;
 
-/// The margin of a query. A type, so that a program which only tests whether bodies touch contains no code for
-/// distances, which is three quarters of the whole on a microcontroller.
+/// The margin of a query. It is a type, so that a program that only tests whether bodies touch contains no code for
+/// distances, which is three quarters of all code on a microcontroller.
 pub(in crate::query) trait Margin: Copy {
-    /// Culls most pairs of primitives. `()` for margin 0, where the exact test is as fast.
+    /// Culls most pairs of primitives. `()` for margin 0, for which the exact test is as fast.
     type Ahead: LookAhead;
     /// In the bodies' unit, not negative.
     fn value(self) -> f64;
-    /// Bounds all coordinates if primitives are culled along an axis ([`LookAhead`]); else 0.
+    /// Bounds all coordinates if primitives are culled along an axis ([`LookAhead`]); otherwise 0.
     fn reach(self) -> f64;
 }
 
-/// Margin 0: primitives have to touch.
+/// Margin 0: primitives must touch.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Touching;
 
@@ -37,7 +37,7 @@ impl Margin for Touching {
     }
 }
 
-/// Bounds all coordinates of A where the pose places it, and of B.
+/// Bounds all coordinates of A as placed by the pose, and of B.
 #[inline(always)]
 pub(in crate::query) fn reach<N: Lanes, P: Primitive, Q: Primitive>(
     a: &BvhRef<'_, N, P>,
@@ -54,8 +54,8 @@ pub(in crate::query) struct Within {
     reach: f64,
 }
 
-/// Margins below this fraction of the coordinates are not worth an axis: the planes already cull nearly all farther
-/// primitives.
+/// Margins below this fraction of the coordinates are not worth an axis: the planes already cull nearly all primitives
+/// that are farther apart.
 const ROUNDINGS: f64 = power_of_two(-30);
 
 impl Within {

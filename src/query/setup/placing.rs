@@ -1,4 +1,4 @@
-//! How the bodies of a query are placed: which of them is rotated into the frame of the other.
+//! The placement of a query's bodies: which of them is rotated into the frame of the other.
 
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
@@ -13,7 +13,7 @@ pub(in crate::query) enum Side {
     B,
 }
 
-/// A leaf of one primitive that is pending against the other tree, by the index of the primitive. Its primitive slabs
+/// A leaf of one primitive that is pending against the other tree, by the index of the primitive. The primitive's slabs
 /// cull nodes of that tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(in crate::query) enum Cutter {
@@ -33,12 +33,13 @@ pub(in crate::query) struct Placing<'t> {
     pub(in crate::query) turned: Side,
     /// Places body a in the frame of b: `pose`, or its inverse.
     pub(in crate::query) to_b: &'t Pose,
-    /// How far the volumes of a are widened, in the bodies' unit: by the margin, and by the pad of the inverse pose.
+    /// The distance by which the volumes of a are widened, in the bodies' unit: the margin plus the pad of the inverse
+    /// pose.
     pub(in crate::query) outwards: f64,
 }
 
 impl Placing<'_> {
-    /// Primitive of a, as it is tested.
+    /// A primitive of a, as placed for tests.
     #[inline(always)]
     pub(in crate::query) fn item_a<N: Lanes, P: Primitive>(
         &self,
@@ -48,7 +49,7 @@ impl Placing<'_> {
         self.place::<P>(a.primitive(index), Side::A)
     }
 
-    /// Primitive of b, as it is tested.
+    /// A primitive of b, as placed for tests.
     #[inline(always)]
     pub(in crate::query) fn item_b<N: Lanes, Q: Primitive>(
         &self,
@@ -109,7 +110,8 @@ pub(in crate::query) fn corner_distance<N: Lanes, P: Primitive, Q: Primitive>(
     d * (1.0 + 8.0 * f64::EPSILON)
 }
 
-/// An upper bound of the distance of two bodies: that between a corner below volume a and one below b, rounded up.
+/// An upper bound of the distance of two bodies: the distance between a corner below volume a and one below b, rounded
+/// up.
 pub(in crate::query) fn first_primitive<N: Lanes, P: Primitive>(
     tree: &BvhRef<'_, N, P>,
     mut link: Link,

@@ -1,6 +1,6 @@
 //! The volume of a shape in the frame of a tree, and lower bounds of its distance from a node's children.
 //!
-//! The k-DOP of a large or flat cuboid that is rotated against the tree contains much beside the cuboid. So cuboids,
+//! The k-DOP of a large or flat cuboid that is rotated against the tree contains much besides the cuboid. So cuboids,
 //! cylinders and cones also have slabs along their own directions ([`crate::realign::primitive_slabs`]).
 
 use crate::exact::power_of_two;
@@ -17,12 +17,12 @@ use crate::vector::{difference, dot, length};
 
 /// A shape that is farther from the centre of a tree than this many of the tree's radii is bounded along one axis.
 const FAR: f64 = power_of_two(11);
-/// A shape that is larger than this many of the tree's radii, likewise.
+/// So is a shape that is larger than this many of the tree's radii.
 const LARGE: f64 = power_of_two(40);
 /// Allowance for roundings in `f64`, relative to the coordinates.
 const ROUNDING: f64 = power_of_two(-45);
 
-/// What bounds a shape.
+/// The volume of a shape.
 #[derive(Debug)]
 pub(super) enum Volume {
     /// Its k-DOP in the frame of a tree.
@@ -33,7 +33,7 @@ pub(super) enum Volume {
     },
     /// The half-space of all points whose product with the axis is at most `end`, relative to the centre of the tree.
     HalfSpace {
-        /// Supports of the tree's volumes along the opposite axis, in the unit of its frame.
+        /// Supports of the tree's volumes along the opposite axis, in the unit of the tree's frame.
         opposite: Along,
         /// In the bodies' unit, rounded up.
         end: f64,
@@ -41,11 +41,11 @@ pub(super) enum Volume {
     },
 }
 
-/// Of a shape whose volume is a k-DOP.
+/// Planes of a shape whose volume is a k-DOP, for lower bounds.
 #[derive(Debug)]
 pub(super) struct Gaps<N: Lanes> {
     planes: N::Planes,
-    /// Along the shape's own directions.
+    /// Gaps along the shape's own directions.
     own: Option<PrimitiveGaps>,
 }
 
@@ -75,7 +75,7 @@ impl Volume {
         let distance = length(&away);
         if distance > FAR * bounds.radius + reach || reach > LARGE * bounds.radius {
             if distance <= reach {
-                // The tree is a point beside the shape, which may be all around it.
+                // The tree is a point compared with the shape, which may surround it.
                 return Self::half_space::<N>(&[1.0, 0.0, 0.0], f64::INFINITY, &bounds);
             }
             let axis = away.map(|x| x / distance);
@@ -111,7 +111,7 @@ impl Volume {
         }
     }
 
-    /// What [`Self::bounds`] needs of the shape.
+    /// The data of the shape that [`Self::bounds`] needs.
     #[inline(always)]
     pub(super) fn gaps<N: Lanes>(&self, shape: &Shape) -> Gaps<N> {
         let Self::Dop { body, reach } = self else { return Gaps { planes: N::NO_PLANES, own: None } };
@@ -169,7 +169,7 @@ impl Volume {
         bounds
     }
 
-    /// The lower bound of a distance that belongs to one of [`Self::bounds`].
+    /// The lower bound of the distance for one of [`Self::bounds`].
     #[inline(always)]
     pub(super) fn distance(&self, bound: f64) -> f64 {
         match self {
@@ -183,7 +183,7 @@ impl Volume {
     fn distance_of<N: Lanes>(&self, node: &N, lane: usize) -> f64 {
         let Self::HalfSpace { opposite, end, scale } = self else { return 0.0 };
         let nearest = -f64::from(node.reach_along(opposite, lane)) / scale;
-        // The sum of two numbers of any size: its rounding is relative to them.
+        // The rounding of this sum is relative to the two numbers, which may have any size.
         let gap = (nearest - end) - ROUNDING * (nearest.abs() + end.abs());
         if gap > 0.0 { gap } else { 0.0 }
     }

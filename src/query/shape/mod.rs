@@ -1,5 +1,5 @@
 //! One shape against a tree. The k-DOP of the shape, computed in the tree's frame, is tested against sixteen children
-//! at a time; nothing is rotated. A half-space, which no k-DOP bounds, and shapes far away are tested along one axis.
+//! at a time; nothing is rotated. Half-spaces, which no k-DOP bounds, and shapes far away are tested along one axis.
 
 mod bounds;
 mod pair;
@@ -24,9 +24,9 @@ use core::ops::ControlFlow;
 const NEAR: f64 = power_of_two(-30);
 
 impl Query {
-    /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is
-    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one
-    /// primitive, but without a tree and with half-spaces, too.
+    /// Whether a shape, placed by `pose` in the frame of body B, meets B, or is inside B, which is
+    /// [solid](crate::construct::Builder::solid). Touching counts as meeting. As [`Query::collide`] with a body A of
+    /// one primitive, but without a tree, and also for half-spaces.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -48,7 +48,7 @@ impl Query {
         self.shape_within(&shape.moved(pose), &b.as_bvh(), 0.0)
     }
 
-    /// Whether a shape, placed by `pose` in the frame of body B, comes within `margin` of B, or is inside of it. As
+    /// Whether a shape, placed by `pose` in the frame of body B, comes within `margin` of B, or is inside it. As
     /// [`Query::within`].
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Query {
         Ok(self.shape_distance(&shape.moved(pose), &b.as_bvh(), tolerance, cutoff))
     }
 
-    /// Calls `visit` with each primitive of body B that a shape, placed by `pose` in the frame of B, meets, until it
+    /// Calls `visit` with each primitive of body B that meets a shape, placed by `pose` in the frame of B, until it
     /// breaks; in the pairs, `a` is 0. As [`Query::for_each_pair`].
     pub fn for_each_pair_shape<B: AsBvh>(
         &self,
@@ -108,6 +108,22 @@ impl Query {
         let visit = &mut |index| visit(Pair { a: 0, b: tree.source(index) });
         let completion = self.for_each_near_shape(&shape, &volume, &tree, 0.0, &mut stats, visit);
         (completion, stats)
+    }
+
+    /// Calls `visit` with the index, in leaf order, of each primitive that meets a shape in the tree's frame, until it
+    /// breaks.
+    #[inline(never)]
+    pub(in crate::query) fn for_each_met_by_shape<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        stats: &mut QueryStats,
+        visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
+    ) -> Completion
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        self.for_each_near_shape(shape, &Volume::of(shape, tree), tree, 0.0, stats, visit)
     }
 
     // Not inlined: scenes without shapes should not pay for its stack frame.
@@ -188,8 +204,8 @@ impl Query {
         distance
     }
 
-    /// Bounds of the distance of a point from the primitives of a tree, and the nearest points, the given one as that of
-    /// A. `None` if the budget was spent, `Some(None)` if the tree is empty.
+    /// Bounds of the distance of a point from the primitives of a tree, and the nearest points, with the given one as
+    /// A's. `None` if the budget was spent, `Some(None)` if the tree is empty.
     pub(in crate::query) fn nearest_on_surface<N: Lanes, Q: Primitive>(
         &self,
         point: &Point,
@@ -207,8 +223,8 @@ impl Query {
             .then(|| found.found.map(|(_, nearest)| Separation { lower: found.lower, ..nearest }))
     }
 
-    /// If a shape that meets no primitive is inside of a solid: the crossed primitive that is reported, or an upper
-    /// bound of the distance if the budget was spent.
+    /// If a shape that meets no primitive is inside a solid: the crossed primitive to report, or an upper bound of the
+    /// distance if the budget was spent.
     fn shape_inside<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
@@ -218,7 +234,7 @@ impl Query {
     where
         Shapes: PrimitivePair<Q>,
     {
-        // A half-space is inside of nothing that is bounded.
+        // A half-space is inside no bounded body.
         if !tree.is_solid() || tree.is_empty() || shape.is_half_space() {
             return None;
         }
@@ -226,8 +242,8 @@ impl Query {
         inside.or_else(|| tree.has_caps().then(|| self.shape_on_caps(shape, tree, stats)).flatten())
     }
 
-    /// If a shape meets a cap of a solid, and so is partly inside: a primitive at the border of the hole. An error if the
-    /// budget was spent.
+    /// If a shape meets a cap of a solid, and so is partly inside: a primitive at the border of the hole. An error if
+    /// the budget was spent.
     #[cold]
     fn shape_on_caps<N: Lanes, Q: Primitive>(
         &self,
@@ -248,7 +264,7 @@ impl Query {
     }
 }
 
-/// Two shapes in one frame, of bodies that are shapes.
+/// Queries of two shapes in one frame, for bodies that are shapes.
 impl Query {
     // Not inlined: scenes without shapes should not pay for its stack frame.
     #[inline(never)]

@@ -1,4 +1,4 @@
-//! Two shapes.
+//! Queries of two shapes.
 
 use crate::pose::Pose;
 use crate::primitive::Shape;
@@ -6,8 +6,8 @@ use crate::query::distance::Distance;
 use crate::query::entry::{Answer, Query, ToleranceError, checked};
 
 impl Query {
-    /// Whether two shapes meet, the first placed by `pose` in the frame of the second. Touching counts. The indices of
-    /// a hit are 0.
+    /// Whether two shapes meet, the first placed by `pose` in the frame of the second. Touching counts as meeting. The
+    /// indices of a hit are 0.
     ///
     /// ```
     /// use simdop::{Isa, Pose, Query, primitive::Shape};

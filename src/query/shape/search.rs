@@ -79,7 +79,7 @@ fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
 where
     Shapes: PrimitivePair<Q>,
 {
-    // Of no use to most shapes that nothing is near.
+    // Computed when first needed: most shapes that nothing is near do not need them.
     let mut slabs = None;
     let mut aimed = N::NO_AIMED;
     volume.aim::<N>(&mut aimed, shape, margin);
@@ -184,7 +184,7 @@ where
                 }
             }
         }
-        // What is farther than this cannot improve the answer by more than the tolerance.
+        // Primitives farther than this cannot improve the answer by more than the tolerance.
         let most = if best.found.is_some() { limit / (1.0 + tolerance) } else { limit };
         loop {
             let Some(level) = levels.checked_sub(1) else { return best };
@@ -195,7 +195,7 @@ where
             }
             let distance = volume.distance(core::mem::replace(&mut bounds[lane], f64::INFINITY));
             if distance > most || distance == f64::INFINITY {
-                // So are all others of this node.
+                // All other children of this node are at least as far.
                 best.lower = best.lower.min(distance);
                 levels = level;
                 continue;

@@ -14,8 +14,8 @@ use crate::query::lanes::{Descent, Rows, bits_of};
 use crate::realign::BallMap;
 use core::ops::ControlFlow;
 
-/// The children that were tested in a visit, as bits of those that meet: row i holds the bits for child i of A if both
-/// nodes were opened; else row 0 holds them all.
+/// The children tested in a visit, with a bit for each pair that meets: if both nodes were opened, row i holds the bits
+/// for child i of A; otherwise row 0 holds all bits.
 #[derive(Copy, Clone, Debug)]
 struct OpenedBalls {
     volumes: BallPair,
@@ -46,7 +46,7 @@ impl OpenedBalls {
     }
 }
 
-/// What is known when the budget is spent.
+/// The result when the budget is spent.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Rest {
     /// The volume found before the visit that ran out of budget.
@@ -70,7 +70,7 @@ pub(super) struct BallSearch<'t, N, E> {
     sums: &'t mut LensSums,
     /// The node of A whose balls were moved last, and the moved balls.
     turned: (u32, Ball16),
-    /// The lane of A whose ball was last moved alone, and that ball in lane 0.
+    /// The lane of A whose ball was last moved alone, with that ball in lane 0.
     aimed: (LaneAt, Ball16),
     /// The unit of A's frame divided by that of B's.
     ratio: f32,
@@ -147,7 +147,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
                 }
             }
             for bit in bits_of(opened.rows.rows[row]) {
-                // Not more than the volumes that contain these share.
+                // At most the volume that the parents share.
                 let bound = if shared[bit] < next.bound { shared[bit] } else { next.bound };
                 queue.push(Waiting { bound, volumes: opened.below(row, bit) });
             }
@@ -222,7 +222,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         ControlFlow::Continue(opened)
     }
 
-    /// The moved balls that the ball of B's lane meets; for the root, all used ones.
+    /// The moved balls that meet the ball of B's lane; for the root, all used ones.
     #[inline(always)]
     fn against(&mut self, b: LaneAt) -> u16 {
         if b == LaneAt::ROOT {
@@ -266,12 +266,12 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         tree.balls()[node as usize].lane(lane)
     }
 
-    /// The volume of the spheres below a lane; no bound for the root.
+    /// The volume of the spheres below a lane; unbounded for the root.
     fn volume_at(tree: &BvhRef<'_, N, Spheres>, at: LaneAt) -> f32 {
         if at == LaneAt::ROOT { f32::MAX } else { Self::ball_at(tree, at).volume }
     }
 
-    /// Estimate of the volume that a pending pair shares. Of the roots, which have no balls, nothing is known.
+    /// Estimate of the volume that a pending pair shares. For the roots, which have no balls, nothing is known.
     #[inline(never)]
     fn expected(&self, Waiting { bound, volumes: BallPair { a, b } }: &Waiting) -> f64 {
         if *a == LaneAt::ROOT {
@@ -306,7 +306,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
     fn decide_leaves(&mut self, opened: &mut OpenedBalls) {
         for row in bits_of(opened.rows.pending as u16) {
             let mut inner = opened.rows.rows[row];
-            // Where A was opened, each bit has another leaf of A; else a row shares one.
+            // If A was opened, each bit has a different leaf of A; otherwise a row shares one leaf.
             let mut moved = (NO_NODE, Sphere::default());
             for bit in bits_of(inner) {
                 let BallPair { a, b } = opened.below(row, bit);

@@ -22,11 +22,11 @@ pub(super) struct LensSums {
     pairs: u64,
 }
 
-/// The unit of length, in steps of the frame. In it a body reaches at most 2^7 from its frame's centre, which the sums
-/// have room for.
+/// The unit of length, in steps of the frame. In this unit a body extends at most 2^7 from its frame's centre, which
+/// the sums have room for.
 const STEPS: f64 = 256.0;
 
-/// What is known of the volume when the budget is spent, in the bodies' unit.
+/// Bounds and estimate of the volume when the budget is spent, in the bodies' unit.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Outlook {
     pub(super) estimate: f64,
@@ -95,13 +95,13 @@ impl LensSums {
     }
 }
 
-/// The volume that the spheres in two balls would share if they filled their balls evenly: the lens times the fractions
-/// of both balls that are filled. NaN for balls of radius zero.
+/// The volume that the spheres in two balls would share if they filled the balls evenly: the lens times the filled
+/// fractions of both balls. NaN for balls of radius zero.
 pub(super) fn expected(a: &BoundingBall, b: &BoundingBall) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.centre[i] - a.centre[i]));
     let distance = libm::sqrt((x * x + y * y) + z * z);
     let [of_a, of_b] = [a, b].map(|ball| volume(ball.radius.into()));
-    // Overlapping spheres fill at most the whole ball.
+    // Overlapping spheres count as filling at most the whole ball.
     let taken = f64::min(a.volume.into(), of_a) * f64::min(b.volume.into(), of_b);
     lens(a.radius.into(), b.radius.into(), distance) * taken / (of_a * of_b)
 }
@@ -207,8 +207,8 @@ mod tests {
                 for inside in [0.0, 0.5, 1.0] {
                     assert_eq!(lens(r_a, r_b, from * inside), whole);
                 }
-                // The volume is continuous where one sphere leaves the other's inside, and where they part. Squares of
-                // smaller differences of coordinates underflow to zero.
+                // The volume is continuous where one sphere stops being inside the other, and where they separate.
+                // Squares of smaller differences of coordinates underflow to zero.
                 let just_out = f64::max(from.next_up(), 1e-160);
                 assert!((lens(r_a, r_b, just_out) - whole).abs() < 1e-13 * whole);
                 assert_eq!([lens(r_a, r_b, to), lens(r_a, r_b, 2.0 * to)], [0.0; 2]);

@@ -1,8 +1,8 @@
-//! Penetration of two bodies of spheres: the volume that they have in common.
+//! Penetration of two bodies of spheres: their common volume.
 //!
 //! Weller and Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS 2009. The spheres of a packing
 //! are disjoint, so the common volume of two packings is the sum of the lenses that pairs of their spheres share. It is
-//! continuous in the pose, and grows where a distance is zero.
+//! continuous in the pose, and grows where a distance would be zero.
 
 mod balls;
 mod lens;
@@ -28,9 +28,9 @@ use core::ops::ControlFlow;
 use lens::{LensSums, Outlook};
 
 impl Query {
-    /// The volume that two bodies of spheres have in common, with body `a` placed by `pose` in the frame of body `b`,
-    /// and the direction in which they would separate. Zero if and only if no spheres overlap: touching spheres share
-    /// no volume.
+    /// The common volume of two bodies of spheres, with body `a` placed by `pose` in the frame of body `b`, and the
+    /// direction in which they would separate. Zero if and only if no spheres overlap: touching spheres share no
+    /// volume.
     ///
     /// The sums do not depend on the order in which pairs are found: they have the same bits on every instruction set,
     /// with and without balls.
@@ -102,8 +102,7 @@ impl Query {
         ))
     }
 
-    /// Adds up all pairs found by the balls of two trees. If the budget is spent, returns what is known of the whole
-    /// volume.
+    /// Adds up all pairs found by the balls of two trees. If the budget is spent, returns bounds of the whole volume.
     fn by_balls<N: Node>(
         &self,
         a: &BvhRef<'_, N, Spheres>,
@@ -119,7 +118,7 @@ impl Query {
             self.search_balls::<N, true>((a, b), (pose, &map), sums, stats)
         };
         let Rest { known, bound, expected } = rest?;
-        // A pose may bring A's spheres nearer to each other, as its matrix may deviate from a rotation. Each sphere
+        // A pose may move A's spheres nearer to each other, since its matrix may deviate from a rotation. Each sphere
         // then overlaps others by at most three times the deviation, as a fraction of its volume.
         let volume = |tree: &BvhRef<'_, N, Spheres>| {
             let unscale = 1.0 / tree.frame().scale();

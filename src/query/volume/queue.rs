@@ -35,7 +35,7 @@ pub(super) struct Waiting {
     pub(super) volumes: BallPair,
 }
 
-/// Capacity. A visit is queued only if there is room for all pairs of children, [`MOST_PAIRS`].
+/// Capacity. A pair is expanded only if there is room for all pairs of its children, [`MOST_PAIRS`].
 const MOST_WAITING: usize = 1024;
 const MOST_PAIRS: usize = 256;
 
@@ -104,8 +104,8 @@ impl PairQueue {
         self.waiting[..self.len].iter()
     }
 
-    /// Upper bound of what all pending pairs share, up to rounding in `f64`: one volume shares with all others at most
-    /// what it contains.
+    /// Upper bound of the volume that all pending pairs share, up to rounding in `f64`: a volume shares with all others
+    /// at most what it contains.
     pub(super) fn capped(
         &mut self,
         side: impl Fn(&BallPair) -> LaneAt,

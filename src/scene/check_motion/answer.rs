@@ -1,9 +1,9 @@
-//! The answer of an edge.
+//! The answer of a motion query.
 
 use crate::query::QueryStats;
 use crate::scene::ask::SceneHit;
 
-/// The verdict on an edge.
+/// The verdict on a motion.
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum MotionVerdict {
@@ -16,7 +16,7 @@ pub enum MotionVerdict {
         /// The time of the hit.
         time: f64,
     },
-    /// No hit was found. Nothing meets before this interval of time, but within it bodies may meet.
+    /// No hit was found. No bodies meet before this interval of time, but within it they may.
     Unresolved {
         /// Start of the interval.
         from: f64,
@@ -25,7 +25,7 @@ pub enum MotionVerdict {
     },
 }
 
-/// A verdict on an edge, and its cost.
+/// A verdict on a motion, and its cost.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct MotionAnswer {
@@ -40,7 +40,7 @@ pub struct MotionAnswer {
 }
 
 impl MotionAnswer {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { verdict: MotionVerdict::Free, times: 0, pairs: 0, stats: QueryStats::default() }
     }
 

@@ -24,7 +24,7 @@ pub(super) fn motion_bound_of_pair<N>(
     })
 }
 
-/// Maps a bound that overflows, to infinity or NaN, to infinity. A negative bound is invalid, and becomes infinite too.
+/// Maps a bound that overflowed to infinity or NaN to infinity. A negative bound is invalid, and becomes infinite too.
 pub(in crate::scene) fn finite_or_infinite(path: f64) -> f64 {
     if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }

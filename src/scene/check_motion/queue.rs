@@ -14,16 +14,16 @@ impl MotionHit {
     pub const EMPTY: Self = Self { a: 0, b: 0, interval: 0 };
 }
 
-/// An interval of time.
+/// An interval of time, by its number in a [`MotionHit`].
 #[derive(Copy, Clone)]
-pub(super) struct Interval(pub(super) u32);
+pub(crate) struct Interval(pub(crate) u32);
 
 impl Interval {
-    /// Intervals from this number on are not halved.
+    /// Intervals with this number or a larger one are not halved.
     pub(super) const LAST: u32 = 1 << 30;
 
     /// The middle, and half of the length. Both are binary fractions without rounding.
-    pub(super) fn middle(self) -> (f64, f64) {
+    pub(crate) fn middle(self) -> (f64, f64) {
         let level = self.0.ilog2();
         let span = 1.0 / f64::from(2_u32 << level);
         (f64::from(2 * (self.0 - (1 << level)) + 1) * span, span)
@@ -57,7 +57,7 @@ impl<'m> MotionQueue<'m> {
         true
     }
 
-    /// Pops the first pair, if it is pending for this interval.
+    /// Pops the first pair if it is pending for this interval.
     pub(super) fn pop_of(&mut self, interval: u32) -> Option<MotionHit> {
         let first = self.get(0).filter(|pair| pair.interval == interval)?;
         self.first = self.at(1);

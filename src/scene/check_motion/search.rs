@@ -1,4 +1,4 @@
-//! The search along an edge.
+//! The search along a motion.
 
 use super::answer::{MotionAnswer, MotionVerdict};
 use super::motion_bound::{finite_or_infinite, motion_bound_of_pair};
@@ -15,7 +15,7 @@ use crate::scene::error::SceneError;
 use crate::scene::placement::Scene;
 use core::num::NonZeroU32;
 
-/// What is certain about a pair in an interval.
+/// The certain result for a pair in an interval.
 enum Known {
     Free,
     /// They do not meet at its middle, but may before or after.
@@ -23,21 +23,21 @@ enum Known {
     OutOfBudget,
 }
 
-/// Times that are tested before pairs are certified in intervals that are too long for it: most hits are found there.
-/// The end comes first, since a planner seldom starts at a hit; the others are the middles of the intervals from 2 to
+/// If the first interval is too long to certify pairs, the search first tests these times, which finds most hits. The
+/// end comes first, since a planner seldom starts at a hit; the others are the middles of the intervals from 2 up to
 /// [`FIRST_UNTESTED`].
 const FIRST_TIMES: [f64; 7] = [1.0, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875];
 const FIRST_UNTESTED: u32 = 8;
 
-/// Longest motion bound, for bodies of these radii, at which a distance query pays: over longer ones, it seldom
-/// certifies bodies that come near each other at all. Half of the smaller body's radius, which counts as at least a
-/// tenth of the larger one's. For two points any bound that does not overflow.
+/// Largest motion bound, for bodies of these radii, at which a distance query pays: at larger bounds, it seldom
+/// certifies bodies that come near each other at all. It is half of the smaller body's radius, which counts as at least
+/// a tenth of the larger one's. For two points it is any bound that does not overflow.
 fn long_way(a: f64, b: f64) -> f64 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     if large > 0.0 { 0.5 * small.max(0.1 * large) } else { MAX_COORDINATE }
 }
 
-/// A query of an edge.
+/// A motion query.
 pub(super) struct MotionSearch<'s, 't, 'm, N, M> {
     pub(super) scene: &'s mut Scene<'t, N>,
     pub(super) query: &'m Query,
@@ -58,7 +58,43 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
             return Ok(found);
         }
         self.gather(&mut queue, &mut unresolved)?;
-        let mut are_first_times_tested = false;
+        self.search(resolution, (queue, unresolved), (found, FIRST_UNTESTED))
+    }
+
+    /// Searches pairs that are pending.
+    #[cfg(feature = "planning")]
+    pub(super) fn run_pending(
+        self,
+        resolution: f64,
+        queue: MotionQueue<'_>,
+        unresolved: Unresolved,
+    ) -> Result<MotionAnswer, SceneError> {
+        for slot in self.scene.memory.slots.iter_mut() {
+            // Clears the bounds of earlier motions. No interval has this number.
+            slot.bound = (0, f64::INFINITY);
+        }
+        self.search(resolution, (queue, unresolved), (MotionAnswer::new(), 1))
+    }
+
+    /// Whether any two bodies meet at this time.
+    #[cfg(feature = "planning")]
+    pub(super) fn at(mut self, time: f64) -> Result<MotionAnswer, SceneError> {
+        let mut found = MotionAnswer::new();
+        if !self.ends_at(time, &mut found)? {
+            found.verdict = MotionVerdict::Unresolved { from: 0.0, to: 1.0 };
+        }
+        Ok(found)
+    }
+
+    /// Searches all pending pairs. The middles of the intervals before `untested` were tested, or will be with the
+    /// first times.
+    fn search(
+        mut self,
+        resolution: f64,
+        (mut queue, mut unresolved): (MotionQueue<'_>, Unresolved),
+        (mut found, untested): (MotionAnswer, u32),
+    ) -> Result<MotionAnswer, SceneError> {
+        let mut are_first_times_tested = untested < FIRST_UNTESTED;
         while let Some(MotionHit { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
             let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
@@ -71,7 +107,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 }
             }
             self.go_to(middle)?;
-            if interval >= FIRST_UNTESTED {
+            if interval >= untested {
                 found.times += 1;
                 match self.first_hit(&queue, interval, &mut found)? {
                     SceneVerdict::Hit(hit) => {
@@ -164,8 +200,8 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// Queues the pairs whose boxes come near each other at any time. The bodies are at the middle of all times; their
-    /// boxes are left widened.
+    /// Queues the pairs whose boxes come near each other at any time. The bodies are at the middle of the motion; their
+    /// boxes stay widened.
     #[inline(never)]
     fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (_, span) = Interval(1).middle();
@@ -223,7 +259,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         let candidate = self.scene.pair_now(pair.a, pair.b);
         // 1e-6 covers the rounding of the `f32` depth.
         let are_boxes_apart = |path: f64| f64::from(-candidate.depth) > path * (1.0 + 1e-6);
-        // Two bounds of one body each are looser than that of the pair, and computed once for all pairs.
+        // The sum of both bodies' bounds is looser than the pair's bound, but each is computed once for all pairs.
         let apart = self.bound_of(pair.a, pair.interval, span) + self.bound_of(pair.b, pair.interval, span);
         if are_boxes_apart(apart) {
             return Ok(Known::Free);
@@ -249,8 +285,8 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         })
     }
 
-    /// Motion bound of one body within `span` of the current time, the middle of an interval. Zero if it stands still.
-    /// `gather` replaced the bounds of earlier motions by those of interval 1.
+    /// Motion bound of one body within `span` of the current time, the middle of an interval. Zero if the body stands
+    /// still. `gather` replaced the bounds of earlier motions by those of interval 1.
     fn bound_of(&mut self, body: u32, interval: u32, span: f64) -> f64 {
         let slot = &mut self.scene.memory.slots[body as usize];
         let Some(carrier) = slot.carrier else { return 0.0 };

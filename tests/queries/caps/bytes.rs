@@ -23,7 +23,7 @@ fn open_bodies() -> (MeshData, Tree) {
     (mesh, tree)
 }
 
-/// Flips bytes of the header's fields of caps and of the tree of the caps. No bytes that are accepted make a query panic.
+/// Flips bytes of the header's fields for caps and of the caps' tree. No accepted bytes make a query panic.
 #[test]
 fn damaged_caps_are_refused() {
     let (_, tree) = open_bodies();
@@ -75,7 +75,7 @@ fn damaged_caps_are_refused() {
     assert!(cfg!(miri) || refused > 1000 && accepted > 100 && verified < accepted);
 }
 
-/// Each fault of the caps has its name.
+/// Each fault of the caps has its own error.
 #[test]
 fn faults_of_caps_have_names() {
     let (mesh, tree) = open_bodies();
@@ -103,7 +103,7 @@ fn faults_of_caps_have_names() {
     assert_eq!(error(&|b| b[inner(offset_of!(Header, centre))] ^= 1), caps("it has another frame"));
     assert_eq!(error(&|b| b[inner(offset_of!(Header, exponent))] ^= 1), caps("it has another frame"));
     assert_eq!(error(&|b| b[inner(offset_of!(Header, depth))] = 9), caps("its contents are invalid"));
-    // A surface or a closed solid has no caps, and says so.
+    // A surface and a closed solid report no caps.
     for builder in [Builder::new(), Builder::new().solid_with_caps(1.0)] {
         let closed = builder.build(&mesh_of(&cuboid([-1.0; 3], [1.0; 3], false))).unwrap();
         assert_eq!((closed.view().cap_stats(), closed.view().caps().is_none()), (CapStats::default(), true));
@@ -117,7 +117,7 @@ fn faults_of_caps_have_names() {
     let vertices = inner(128 + size_of_val(view.nodes()));
     let records = vertices + (12 * view.header().vertex_count as usize).next_multiple_of(4);
     assert_eq!(view.header().vertex_size, 12);
-    // The caps of a larger solid in the same frame.
+    // Caps of a larger solid in the same frame.
     let [large, small] =
         [0.96875, 0.75].map(|size| capped::<Node16<18>>(&scaled(&open_cube(), size, [0.0; 3])));
     assert_eq!(large.view().frame(), small.view().frame());
@@ -126,7 +126,7 @@ fn faults_of_caps_have_names() {
         (large.as_bytes().len() - tail(&large), small.as_bytes().len() - tail(&small));
     let mixed = [&small.as_bytes()[..of_small], &large.as_bytes()[from_large..]].concat();
     assert_eq!(Bvh::<Node16<18>>::from_bytes(&mixed).err(), caps("a vertex is outside of the solid's box"));
-    // Caps that do not fit are found by `verify`: with another corner, and turned.
+    // `verify` finds caps that do not fit: with another corner, and with reversed orientation.
     let changed = |change: &dyn Fn(&mut [u8])| with(change).unwrap().view().verify().unwrap_err();
     let (nodes, k) = (tree.view().header().node_count, 18);
     let swapped = changed(&|b| (0..4).for_each(|i| b.swap(records + i, records + 4 + i)));

@@ -1,4 +1,4 @@
-//! Which holes there are, and their caps.
+//! Holes and their caps.
 
 use super::meshes::{at, ball, capped, caps_of, closed_by_caps, dot, open_cube};
 use super::oracle::Triangle;
@@ -71,7 +71,7 @@ fn holes_are_counted_and_measured() {
 
     assert_eq!(stats(&open_cube()), of(1, 2, 2.0 * root));
     assert_eq!(stats(&separate(open_cube().corners())), of(1, 2, 2.0 * root));
-    // A triangle that is turned the wrong way is cancelled by one cap and replaced by another.
+    // One cap cancels a triangle of reversed orientation, and another replaces it.
     let mut turned = closed.clone();
     turned.triangles[3].swap(0, 1);
     assert_eq!(stats(&turned), of(2, 2, 2.0 * root));
@@ -90,7 +90,7 @@ fn holes_are_counted_and_measured() {
     eight.triangles.remove(other.unwrap());
     eight.triangles.remove(0);
     assert_eq!(stats(&eight), of(2, 2, root));
-    // Vertices that no triangle uses at the places of those that are.
+    // Unused vertices at the positions of used ones.
     let mut unused = MeshData { vertices: closed.vertices.clone(), triangles: Vec::new() };
     append(&mut unused, &open_cube());
     assert_eq!(stats(&unused), of(1, 2, 2.0 * root));
@@ -180,7 +180,7 @@ fn packings_and_covers_take_the_caps() {
         for sphere in &packing.spheres {
             assert!(sphere.centre.iter().all(|x| x.abs() + sphere.radius <= 1.0));
         }
-        // What the caps close is covered, too.
+        // Covers include the volume that caps close.
         let cover = mesh_of(&closed).cover_solid(0.2).unwrap();
         let cover: Bvh<Node16<18>, Spheres> = Builder::new()
             .build_geometry(&SphereSet { spheres: &cover }, &mut |_| ControlFlow::Continue(()))

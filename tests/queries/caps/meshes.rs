@@ -45,7 +45,7 @@ pub(super) fn ball(n: u32, round: bool) -> MeshData {
     joined(triangles)
 }
 
-/// A mesh whose triangles share the vertices that they have in common.
+/// The mesh with equal vertices joined.
 pub(super) fn joined(triangles: impl IntoIterator<Item = Triangle>) -> MeshData {
     let (mut mesh, mut known) = (MeshData { vertices: Vec::new(), triangles: Vec::new() }, BTreeMap::new());
     for t in triangles {
@@ -74,7 +74,7 @@ pub(super) fn cut(mesh: &MeshData, most: u64, rng: &mut Rng) -> MeshData {
         let first = rng.below(mesh.triangles.len() as u64) as usize;
         let seed = mesh.triangles[first];
         match rng.below(8) {
-            // Turned the wrong way, doubled, and a wall inside: edges of two, three and more triangles.
+            // Reversed orientation, a doubled triangle, and a wall inside: edges of two, three and more triangles.
             0 => mesh.triangles[first].swap(0, 1),
             1 => mesh.triangles.push(seed),
             2 => {
@@ -104,7 +104,7 @@ pub(super) fn cut(mesh: &MeshData, most: u64, rng: &mut Rng) -> MeshData {
     if rng.below(4) == 0 { separate(mesh.corners()) } else { mesh }
 }
 
-/// The names and meshes of the data sets: closed ones, and those that have holes.
+/// The names and meshes of the data sets, closed ones and ones with holes.
 pub(super) fn real_meshes() -> [Vec<(String, MeshData)>; 2] {
     let Some(data) = directory() else { return [Vec::new(), Vec::new()] };
     let read = |name: &&str| {
@@ -190,7 +190,7 @@ pub(super) fn points(mesh: &MeshData, caps: &[Triangle], count: usize, rng: &mut
     };
     let point = |rng: &mut Rng| -> Point {
         match rng.below(10) {
-            // Damage may cancel: a triangle without area that is pushed, or one that is turned twice.
+            // Damage may cancel: a triangle without area that is appended, or one that is reversed twice.
             _ if caps.is_empty() => core::array::from_fn(|i| rng.range(low[i], high[i])),
             0 => near(*rng.pick(&mesh.vertices), rng),
             1 => on_cap(rng),
@@ -201,8 +201,8 @@ pub(super) fn points(mesh: &MeshData, caps: &[Triangle], count: usize, rng: &mut
     (0..count).map(|_| point(rng)).collect()
 }
 
-/// A point, wherever a pose places it that does not rotate: one corner is off by less than the rounding of the
-/// translation. The planes of a body of one point would be coarse.
+/// A point at any pose without rotation. One corner is off by less than the rounding of the translation, since the
+/// planes of a body of one point would be coarse.
 pub(super) fn dot<N: Lanes>() -> Bvh<N> {
     let off = [2.0_f64.powi(-200), 0.0, 0.0];
     Builder::new().build_as(&mesh_of(&separate([[[0.0; 3], [0.0; 3], off]]))).unwrap()

@@ -62,7 +62,7 @@ fn motions_through_holes_are_not_free() {
             let mut scene = Scene::new();
             let body: Body<'_, Node16<18>> =
                 if is_cloud { Body::new(cloud.view()) } else { Body::new(small.view()).with_radius(radius) };
-            // The solid moves, or the other body.
+            // Either the solid moves, or the other body.
             let (moving, fixed) =
                 if is_other { (Body::new(tree.view()), body) } else { (body, Body::new(tree.view())) };
             let id = scene.insert(moving, &at([-9.0, 0.0, 0.0])).unwrap();
@@ -99,7 +99,7 @@ fn classes_of_pairs_know_caps() {
         let id = scene.insert(Body::new(body.view()).with_radius(radius), &Pose::IDENTITY).unwrap();
         let fixed = scene.insert(Body::new(tree.view()).fixed(), &Pose::IDENTITY).unwrap();
         let query = Query::new(Isa::detect());
-        scene.classify_pair(&query, &[id], slide.robot(), (id, fixed), 4000).unwrap().fate
+        scene.classify_pair(&query, &[id], slide.robot(), (id, fixed), 4000).unwrap().class
     };
     let cube = (&small, 0.0);
     assert_eq!(class(&surface, cube, [-3.0, 3.0]), PairClass::Never);
@@ -107,7 +107,7 @@ fn classes_of_pairs_know_caps() {
     assert_eq!(class(&tree, cube, [-3.0, -1.2]), PairClass::Never);
     // Less than a thousandth of the range is inside.
     assert_eq!(class(&tree, cube, [-9.0, -1.0995]), PairClass::Sometimes);
-    // On a cap in the middle, and outside at the end, where the radius does not see the cap.
+    // On a cap in the middle of the range; outside at its end, where the radius ignores the cap.
     assert_eq!(class(&tree, (&dot, 0.5), [0.8, 1.2]), PairClass::Sometimes);
     assert_ne!(class(&tree, (&dot, 0.5), [-0.5, 0.5]), PairClass::Never);
 }

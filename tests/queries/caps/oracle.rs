@@ -39,7 +39,7 @@ pub(super) fn side([a, b, c]: &Triangle, p: &Point) -> i32 {
     sign_of_determinant(p, a, b, [c, p])
 }
 
-/// Where a point is.
+/// The position of a point relative to a body.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Place {
     OnSurface,
@@ -53,7 +53,7 @@ impl Place {
     }
 }
 
-/// Closed triangles, by the cells of a grid that they cover, seen along z.
+/// A closed mesh: its triangles, by the grid cells that they cover in the projection along z.
 pub(super) struct Oracle {
     pub(super) triangles: Vec<Triangle>,
     low: [f64; 2],
@@ -85,7 +85,8 @@ impl Oracle {
         oracle
     }
 
-    /// Monotone, so that a point is in a column between those of a triangle that it is below or above.
+    /// The column of a point. Monotone, so that a point below or above a triangle is in a column that the triangle
+    /// covers.
     pub(super) fn column(&self, i: usize, x: f64) -> usize {
         (((x - self.low[i]) / self.cell[i]) as usize).min(CELLS - 1)
     }
@@ -107,7 +108,7 @@ impl Oracle {
         Place::Around(winding)
     }
 
-    /// Along rays in random directions, if the one along z passes an edge.
+    /// The winding number along rays in random directions, for points whose ray along z passes an edge.
     pub(super) fn place_by_others(&self, p: &Point, rng: &mut Rng) -> Place {
         let is_on = |t: &Triangle| meshes_meet(&[[*p; 3]], &[*t]);
         if self.triangles.iter().any(is_on) {

@@ -12,8 +12,8 @@ pub(crate) enum Body {
     HalfSpace(Plane),
 }
 
-/// The image of a cube or of a simplex under an affine map: all `corner + sum x_i edges[i]` with all `x_i` in 0 ..= 1,
-/// of a triangle also with a sum of at most 1.
+/// The image of a cube or a simplex under an affine map: all `corner + sum x_i edges[i]` with `x_i` in 0 ..= 1, for a
+/// triangle also with a sum of at most 1.
 pub(crate) struct Hull {
     pub(crate) corner: Vector,
     pub(crate) edges: Vec<Vector>,
@@ -25,7 +25,7 @@ pub(crate) struct Hull {
 /// A cylinder or a cone.
 pub(crate) struct Round {
     pub(crate) is_cone: bool,
-    /// The centre of a cylinder, or that of a cone's disc.
+    /// The centre of a cylinder, or of a cone's disc.
     pub(crate) middle: Vector,
     /// From the middle to the centre of the upper disc, or to the tip.
     pub(crate) axis: Vector,
@@ -96,7 +96,7 @@ fn lengths(core: &Core) -> Vec<f64> {
     }
 }
 
-/// Translates both such that a bounded one, the second if it is, is near the origin.
+/// Translates both so that a bounded one, preferably the second, is near the origin.
 fn centre(bodies: &mut [Body; 2]) {
     let middle = |body: &Body| match body {
         Body::Hull(hull) => Some(hull.corner.clone()),

@@ -30,7 +30,7 @@ pub(crate) fn half_space_bounds(pair: &Pair) -> (IBig, IBig) {
     bounds.reduce(|x, y| (x.0.min(y.0), x.1.min(y.1))).expect("at least one height")
 }
 
-/// The heights of some points of which one is the lowest. None if no core is a half-space.
+/// The heights of some points, one of which is the lowest. None if no core is a half-space.
 fn heights(pair: &Pair) -> Option<Vec<Height>> {
     let (plane, other) = match (&pair.a, &pair.b) {
         (Body::HalfSpace(plane), other) | (other, Body::HalfSpace(plane)) => (plane, other),

@@ -32,7 +32,7 @@ use dashu_int::IBig;
 use dashu_int::ops::BitTest;
 use simdop::primitive::shape::{Core, Shape};
 
-/// What the oracle says of a pair and a margin.
+/// The oracle's judgement of a pair and a margin.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Judgement {
     /// The distance is greater than the margin.
@@ -151,7 +151,7 @@ impl Interval {
         &self.upper - &self.lower <= IBig::ONE << (self.size - 60)
     }
 
-    /// What the bounds say of a margin.
+    /// The judgement of a margin by the bounds.
     pub(crate) fn judge(&self, margin: f64) -> Judgement {
         // In units that make the margin an integer.
         let exponent = least_exponent([margin]).unwrap_or(self.exponent).min(self.exponent);

@@ -45,13 +45,13 @@ pub(crate) struct Bounds {
     pub(crate) meets: bool,
 }
 
-/// Points of cylinders and cones are rounded: each is at most so many units away from the solid.
+/// Points of cylinders and cones are rounded: each is at most this many units from the solid.
 const ROUNDING: i32 = 4;
 
 /// Bits of a direction.
 const DIRECTION: usize = 160;
 
-/// Steps after which the search stops with the bounds that it has.
+/// The search stops after this many steps, with the current bounds.
 const MAX_STEPS: usize = 2000;
 
 /// Refines bounds of the distance until `is_enough(lower, upper)`, as far as the unit allows. `start` has one to four
@@ -77,7 +77,7 @@ pub(crate) fn refine(
         steps += 1;
         witnesses = kept.iter().map(|&i| witnesses[i].clone()).collect();
         let direction = shortened(&direction, DIRECTION);
-        // Rounded to nothing if the two touch up to rounding.
+        // Zero if the two touch up to rounding.
         let is_over = is_zero(&direction) || bounds.upper <= &slack * 2;
         if !is_over {
             let lower = pair.lower_bound(&direction);
@@ -129,7 +129,7 @@ impl Pair {
             witnesses.iter().zip(weights).fold(zero, |sum, (w, by)| add(&sum, &times(&w[side], by)))
         };
         let point = sum(0);
-        // Of large numbers only as many bits as coordinates have, and 64 more.
+        // Only as many bits of large numbers as coordinates have, and 64 more.
         let (point, total) = {
             let scaled = point.each_ref().map(|x| over_down(&(x << 64), &total));
             (scaled, IBig::ONE << 64)
@@ -166,7 +166,7 @@ impl Pair {
 }
 
 impl Body {
-    /// A point that is farthest in a direction; of cylinders and cones, up to [`ROUNDING`].
+    /// A point that is farthest in a direction, for cylinders and cones up to [`ROUNDING`].
     fn farthest_point(&self, towards: &Vector) -> Vector {
         match self {
             Self::Hull(hull) => hull.corners[hull.farthest(towards)].clone(),
@@ -184,7 +184,7 @@ impl Body {
             }
             Self::Round(Round { is_cone, middle, axis, .. }) => {
                 let twice = add(middle, middle);
-                // A cone's in the middle of its height.
+                // For a cone, the middle of its height.
                 if *is_cone { add(&twice, axis) } else { twice }
             }
             Self::HalfSpace(_) => unreachable!("half-spaces have a closed form"),

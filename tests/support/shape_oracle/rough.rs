@@ -1,7 +1,7 @@
-//! The distance of two cores in `f64`: certain where it is far from the reach, and else a start for the exact search.
+//! The distance of two cores in `f64`: certain where it is far from the reach, otherwise a start for the exact search.
 //!
 //! In units of the pair's size all coordinates are at most 1, so points of the difference of the two cores are at most
-//! 8 from the origin, and all that is computed of them is off by less than 2^-44. Bounds are widened by [`MARGIN`].
+//! 8 from the origin, and everything computed from them is off by less than 2^-44. Bounds are widened by [`MARGIN`].
 
 use super::body::{Body, Pair};
 use super::numbers::{Vector, bits, to_f64};
@@ -140,7 +140,7 @@ impl Flat {
                     // to `LEAST_ACROSS` radii.
                     [0.0; 3]
                 } else {
-                    // Again, so that it is perpendicular to the axis up to rounding even if it was short.
+                    // Twice, so that it is perpendicular to the axis up to rounding even if it was short.
                     let again = without(&across.map(|x| x / length), unit);
                     let length = dot(&again, &again).sqrt();
                     again.map(|x| x / length)

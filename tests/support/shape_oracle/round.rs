@@ -49,7 +49,7 @@ impl Round {
         let product = &x * &full;
         // The distance from the axis is sqrt(product) / U.
         let above = if self.is_cone {
-            // Where the slant line from the rim to the tip is nearest to the point: the rim's end of it, or its tip.
+            // Where the slant line from the rim to the tip is nearest to the point: at its rim end, or at the tip.
             let at_rim = sign_with_root(&(&full * (&rr + &z)), &-r, &product) != Ordering::Greater;
             let at_tip = sign_with_root(&(&full * (&z - &full)), &-r, &product) != Ordering::Less;
             if at_tip {
@@ -112,7 +112,7 @@ impl Round {
         let full = square(&self.axis);
         let (c, f) = (cross(&self.axis, &w), cross(&self.axis, edge));
         let stationary = if self.is_cone {
-            // Of |c + t f|^2 / (rest - t slope)^2.
+            // The stationary point of |c + t f|^2 / (rest - t slope)^2.
             let rest = &full - &z;
             let cf = dot(&c, &f);
             let numerator = -(&cf * &rest + &slope * square(&c));

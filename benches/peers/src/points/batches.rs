@@ -14,7 +14,7 @@ pub(crate) struct Row {
     pub(crate) table: String,
     pub(crate) scene: String,
     pub(crate) points: usize,
-    /// Found per point on average, itself included.
+    /// Neighbours per point on average, itself included.
     pub(crate) neighbours: f64,
     pub(crate) library: String,
     pub(crate) version: String,
@@ -23,7 +23,7 @@ pub(crate) struct Row {
     pub(crate) count_ms: f64,
     pub(crate) fill_ms: f64,
     pub(crate) bytes_per_point: f64,
-    /// The number of rounds that these are medians of.
+    /// The number of rounds; times are medians of them.
     pub(crate) rounds: usize,
     /// Queries of the sample whose answer differs from brute force.
     pub(crate) wrong: usize,
@@ -146,7 +146,7 @@ fn cases(wanted: &str, options: &Options) -> Result<Vec<Case>, String> {
     let twice = |points: Points| points.iter().chain(&points).copied().collect::<Points>();
     let radii = Radii::Same(scenes::radius(usual, USUAL));
     add("odd", "uniform, each point twice", twice(scenes::uniform(usual / 2, &mut rng(31))), radii);
-    // For a sheet: pi r^2 n = 30.
+    // The radius for a sheet: pi r^2 n = 30.
     let flat =
         |share: f32| Radii::Same(share * (USUAL as f32 / (usual as f32 * std::f32::consts::PI)).sqrt());
     add("odd", "a sheet across an axis", scenes::sheet(usual, false, &mut rng(32)), flat(1.0));

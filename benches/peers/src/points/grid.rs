@@ -35,7 +35,7 @@ enum Cells {
 pub(crate) struct Grid {
     lower: [f32; 3],
     inverse: f32,
-    /// Along each axis.
+    /// Number of cells along each axis.
     count: [u32; 3],
     /// Widens the radius, so that rounding a cell's coordinates loses no point.
     slack: f32,
@@ -156,7 +156,8 @@ impl Grid {
         (numbers, starts)
     }
 
-    /// Monotone along each axis despite rounding; points beyond the grid are in its outermost cells.
+    /// The cell of a point. Monotone along each axis despite rounding; points beyond the grid are in its outermost
+    /// cells.
     #[inline]
     fn cell(&self, point: [f32; 3]) -> [u32; 3] {
         core::array::from_fn(|axis| {
@@ -192,7 +193,7 @@ impl Grid {
                 let wanted =
                     (0..3).map(|axis| u64::from(last[axis] - first[axis]) + 1).fold(1, u64::saturating_mul);
                 let cell = |number: usize| starts[number] as usize..starts[number + 1] as usize;
-                // If that is more cells than there are, visit every cell.
+                // If these are more cells than the grid has, visit every cell.
                 if wanted > keys.len() as u64 {
                     for (number, key) in keys.iter().enumerate() {
                         if (0..3).all(|axis| first[axis] <= key[axis] && key[axis] <= last[axis])
@@ -274,7 +275,7 @@ impl Grid {
                 while from < run.end {
                     let (squares, left) = (self.squares(query, from), run.end - from);
                     let indices = &self.indices[from..from + WIDTH];
-                    // Each is written, and overwritten by the next one unless it is a neighbour.
+                    // Writes every point; the next one overwrites it unless it is a neighbour.
                     if let Some(room) = lists.indices.get_mut(end..end + WIDTH) {
                         let mut taken = 0;
                         for lane in 0..WIDTH {

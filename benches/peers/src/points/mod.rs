@@ -97,7 +97,7 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// As simdop's documentation defines it.
+/// The squared distance, as simdop's documentation defines it.
 fn square([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> f32 {
     let [x, y, z] = [ax - bx, ay - by, az - bz];
     (x * x + y * y) + z * z

@@ -11,7 +11,7 @@ pub(crate) type Points = Vec<[f32; 3]>;
 /// Neighbours of a point in the project's target.
 pub(crate) const USUAL: f64 = 30.0;
 
-/// In the unit cube.
+/// Uniform points in the unit cube.
 pub(crate) fn uniform(count: usize, rng: &mut Rng) -> Points {
     (0..count).map(|_| core::array::from_fn(|_| rng.unit() as f32)).collect()
 }
@@ -22,7 +22,7 @@ pub(crate) fn radius(count: usize, neighbours: f64) -> f32 {
     (neighbours / count as f64 * 0.75 / std::f64::consts::PI).cbrt() as f32
 }
 
-/// Approximately normally distributed: the sum of twelve.
+/// An approximately normal number: the sum of twelve uniform ones.
 fn normal(rng: &mut Rng) -> f64 {
     (0..12).map(|_| rng.unit()).sum::<f64>() - 6.0
 }

@@ -20,7 +20,7 @@ use std::rc::Rc;
 #[derive(Copy, Clone, PartialEq)]
 pub(super) enum Obstacles {
     Surfaces,
-    /// A link inside one is a hit. The peers use boxes, and convex bodies for the prisms.
+    /// A link inside an obstacle is a hit. The peers use boxes, and convex bodies for the prisms.
     Solids,
 }
 
@@ -74,7 +74,7 @@ type Node = Node16<18>;
 /// simdop's trees.
 pub(super) struct Trees {
     links: Vec<Bvh<Node>>,
-    /// Of each problem.
+    /// The trees of each problem's obstacles.
     surfaces: Vec<Vec<Bvh<Node>>>,
     solids: Vec<Vec<Bvh<Node>>>,
 }

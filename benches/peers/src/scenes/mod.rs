@@ -25,7 +25,7 @@ struct Task {
 
 struct Configuration {
     problem: usize,
-    /// Of each link.
+    /// The pose of each link.
     places: Vec<Rows>,
 }
 
@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
 /// The verdicts and times of one library.
 struct Results {
     free: Vec<bool>,
-    /// By configuration and round, in µs.
+    /// Times by configuration and round, in µs.
     times: Vec<Vec<f64>>,
 }
 

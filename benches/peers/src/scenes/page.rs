@@ -17,7 +17,7 @@ pub(super) struct Row {
     pub(super) problems: usize,
     pub(super) obstacles: String,
     pub(super) configurations: usize,
-    /// By the exact oracle.
+    /// Free configurations, by the exact oracle.
     pub(super) free: usize,
     pub(super) library: String,
     pub(super) version: String,

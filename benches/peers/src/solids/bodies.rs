@@ -19,7 +19,7 @@ impl Kind {
         }
     }
 
-    /// How many numbers of a size count.
+    /// How many numbers of a size the kind uses.
     const fn lengths(self) -> usize {
         match self {
             Self::HalfSpace => 0,
@@ -30,7 +30,7 @@ impl Kind {
     }
 }
 
-/// The pairs of kinds: of a moving and a fixed solid.
+/// The pairs of kinds, one of a moving and one of a fixed solid.
 pub(super) fn pairs() -> Vec<[Kind; 2]> {
     let with = |(i, a): (usize, &Kind)| KINDS[i..].iter().map(|b| [*a, *b]).collect::<Vec<_>>();
     let among = KINDS.iter().enumerate().flat_map(with);
@@ -51,7 +51,7 @@ impl Solid {
         Self { size: self.size.map(|x| x * by), ..self }
     }
 
-    /// With one of its lengths replaced: a needle or a disc. A sphere and a half-space stay as they are.
+    /// Replaces one of its lengths: a needle or a disc. A sphere and a half-space stay as they are.
     pub(super) fn thinned(mut self, thickness: f64, rng: &mut Rng) -> Self {
         match self.kind {
             Kind::Sphere | Kind::HalfSpace => {}
@@ -86,7 +86,7 @@ impl Solid {
         }
     }
 
-    /// Of its box.
+    /// The diagonal of its box.
     pub(super) fn diagonal(&self) -> f64 {
         let [x, y, z] = self.reach();
         2.0 * ((x * x + y * y) + z * z).sqrt()

@@ -1,4 +1,4 @@
-//! Poses of pairs of solids and what is true of them: made once, written to files, and read back with a checksum.
+//! Poses of pairs of solids with the true answers: generated once, written to files, and read back with a checksum.
 
 use super::bodies::pairs;
 use super::gjk::bounds;
@@ -15,15 +15,15 @@ use std::path::Path;
 /// Pairs of sizes in a suite. They take turns.
 const SIZES: usize = 10;
 
-/// Thickness, and size, of the solids of these rows.
+/// Thickness of the thin solids, and size of the small ones.
 const SMALL: f64 = 1e-6;
 
-/// Distance of the bodies of these rows, whose size is about 1.
+/// Distance of the far bodies, whose size is about 1.
 const FAR: f64 = 1e6;
 
 const UNLIKE: f64 = 1e-3;
 
-/// Gap of the bodies that are barely apart: coordinates with it are not rounded.
+/// Gap of the bodies that are barely apart. It needs no rounding of coordinates.
 const APART: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// How the bodies are placed.
@@ -31,13 +31,13 @@ const APART: f64 = 1.0 / (1_u64 << 36) as f64;
 pub(super) enum Placement {
     /// At one of [`DISTANCES`].
     At(usize),
-    /// The one within the other.
+    /// One within the other.
     Nested,
     Thin,
     Tiny,
     Unlike,
     Far,
-    /// At exactly this distance along an axis, turned by right angles.
+    /// At exactly this distance along an axis, rotated by right angles.
     Exact(f64),
 }
 
@@ -56,13 +56,13 @@ pub(super) fn placements() -> Vec<(String, Placement)> {
     distances.chain(others.map(|(name, placement)| (name.to_owned(), placement))).collect()
 }
 
-/// A pose, and what is true there.
+/// A pose, and the true answers there.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Case {
     /// Index of the pair of sizes.
     pub(super) pair: usize,
     pub(super) rows: Rows,
-    /// Whether the solids meet, unless that is open.
+    /// Whether the solids meet, if known.
     pub(super) meets: Option<bool>,
     /// Bounds of the distance.
     pub(super) distance: [f64; 2],
@@ -76,7 +76,7 @@ pub(super) struct Suite {
     pub(super) cases: Vec<Case>,
 }
 
-/// All suites, or those of the kinds that are named.
+/// All suites, or those of the named kinds.
 pub(super) fn suites(options: &Options) -> Result<Vec<Suite>, String> {
     let named = |kind: &Kind| options.meshes.iter().any(|name| name == kind.name());
     let wanted = |kinds: &[Kind; 2]| options.meshes.is_empty() || kinds.iter().all(named);
@@ -191,8 +191,8 @@ fn at(rotation: &[[f64; 3]; 3], p: &[f64; 3], q: &[f64; 3]) -> Rows {
     })
 }
 
-/// A, rotated at random, comes from a random direction, such that a random point of it moves towards one of B. Of a
-/// gap, the last place that is farther; of a depth, that much beyond the first contact.
+/// A, rotated at random, approaches from a random direction, such that a random point of it moves towards one of B. For
+/// a gap, returns the last position that is farther; for a depth, the position that much beyond the first contact.
 fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
     let [a, b] = solids.map(|solid| solid.shape());
     let is_plane = solids[1].kind == Kind::HalfSpace;
@@ -203,7 +203,7 @@ fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
     };
     let rotation = rng.rotation();
     let mut from = rng.rotation()[0];
-    // Not from so far aside that a cube in place of the half-space would end before.
+    // Not so far from the side that a cube in place of the half-space would end too early.
     while is_plane && from[2] < 1.0 / 16.0 {
         from = rng.rotation()[0];
     }
@@ -214,7 +214,7 @@ fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
         let pose = Pose::from_rows(rows(along)).expect("rotations are rigid");
         bounds(&a.moved(&pose), &b).upper <= goal
     };
-    // The distance is a convex function of the way, and 0 at its end.
+    // The distance is a convex function of the travel, and 0 at its end.
     let (mut near, mut far) = (0.0, gap + unit);
     while is_near(far) {
         (near, far) = (far, 2.0 * far);
@@ -229,7 +229,8 @@ fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
     rows(far - depth)
 }
 
-/// B's farthest point along an axis is below A's lowest by exactly the gap. All numbers are short: nothing is rounded.
+/// B's farthest point along an axis is below A's lowest by exactly the gap. All numbers have few bits, so nothing is
+/// rounded.
 fn exactly(solids: &[Solid; 2], gap: f64, rng: &mut Rng) -> Rows {
     let rotation = right_angles(rng);
     let (axis, sign) = match solids[1].kind {
@@ -274,7 +275,7 @@ fn written(title: &str, cases: &[Case]) -> String {
     text
 }
 
-/// Of verdicts.
+/// Names of verdicts.
 const WORDS: [&str; 3] = ["free", "hit", "open"];
 
 fn code(meets: Option<bool>) -> usize {
@@ -302,7 +303,7 @@ fn parsed(line: &str) -> Option<Case> {
     })
 }
 
-/// Of the bits of the numbers, and the verdicts.
+/// The checksum of the bits of the numbers, and the verdicts.
 fn checksum(cases: &[Case]) -> u64 {
     let bytes = cases.iter().flat_map(|case| {
         let numbers =

@@ -21,12 +21,12 @@ pub(super) struct Entrant {
     pub(super) name: String,
     pub(super) version: String,
     pub(super) collide: Box<dyn Fn(usize) -> bool>,
-    /// `None` if the library has no distance of such a pair.
+    /// `None` if the library has no distance for such a pair.
     pub(super) distance: Option<Measure>,
 }
 
-/// Peers in C++, and their drivers. Not FCL as in its package, which has assertions that end the process where shapes
-/// almost touch.
+/// Peers in C++, and their drivers. Excludes the packaged FCL, whose assertions end the process where shapes almost
+/// touch.
 pub(super) const DRIVERS: [(&str, &str); 2] =
     [("Coal", "coal-OBB"), (crate::entrants::FCL_NATIVE, "fcl-native")];
 
@@ -81,7 +81,7 @@ mod parry {
         }
     }
 
-    /// The pose of a shape of parry's: its cylinders and cones have their axis along y.
+    /// The pose of a parry shape: parry's cylinders and cones have their axis along y.
     fn pose(rows: &Rows, kind: Kind) -> Pose {
         let column = |j: usize| Vector::new(rows[0][j], rows[1][j], rows[2][j]);
         let (x, y, z) = (column(0), column(1), column(2));

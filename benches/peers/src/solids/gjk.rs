@@ -1,8 +1,8 @@
 //! Bounds of the distance of two convex shapes in `f64`: they place the bodies, and check witnesses.
 //!
-//! The algorithm of Gilbert, Johnson and Keerthi (1988), slow and simple: the point of a simplex next to the origin is
-//! the best of those of all its faces. A convex combination bounds the distance from above, a supporting plane from
-//! below. Both hold up to rounding, also where the iteration stalls.
+//! The algorithm of Gilbert, Johnson and Keerthi (1988), slow and simple: the point of a simplex nearest to the origin
+//! is the nearest of those of all its faces. A convex combination bounds the distance from above, a supporting plane
+//! from below. Both hold up to rounding, also where the iteration stalls.
 
 use core::cell::Cell;
 use simdop::primitive::shape::{Core, Shape};
@@ -18,7 +18,7 @@ const ROUNDING: f64 = 2e-14;
 pub(super) struct Bounds {
     pub(super) lower: f64,
     pub(super) upper: f64,
-    /// Errors of rounding are of this order.
+    /// The order of magnitude of rounding errors.
     pub(super) rounding: f64,
 }
 
@@ -79,7 +79,7 @@ fn support(core: &Core, direction: &Point) -> Point {
     let farther = |p: Point, q: Point| if dot(direction, &p) >= dot(direction, &q) { p } else { q };
     let rim = |axis: &Point, radius: f64| {
         let without = |v: &Point| moved(v, axis, -dot(v, axis) / dot(axis, axis));
-        // Twice: the rounding of the first is large beside the rest of what is almost along the axis.
+        // Twice: for a direction almost along the axis, the first result has a large relative error.
         let across = without(&without(direction));
         let long = length(&across);
         if long > 1e-14 * length(direction) { across.map(|x| x * (radius / long)) } else { [0.0; 3] }
@@ -102,8 +102,8 @@ fn support(core: &Core, direction: &Point) -> Point {
     }
 }
 
-/// The point of the simplex next to the origin, and the corners of the face that it is in. All four: the origin is
-/// inside.
+/// The point of the simplex nearest to the origin, and the corners of the face that contains it. Four corners: the
+/// origin is inside.
 fn next_to_origin(simplex: &[Point]) -> (Point, Vec<Point>) {
     let mut best = (simplex[0], vec![simplex[0]], f64::INFINITY);
     for set in 1..1_usize << simplex.len() {
@@ -120,8 +120,8 @@ fn next_to_origin(simplex: &[Point]) -> (Point, Vec<Point>) {
     (best.0, best.1)
 }
 
-/// The weights, up to a factor, of the point of the face's affine hull next to the origin, unless that point is outside
-/// of the face.
+/// The weights, up to a factor, of the point of the face's affine hull nearest to the origin, unless that point is
+/// outside the face.
 fn weights(face: &[Point]) -> Option<Vec<f64>> {
     let weights = match face {
         [_] => vec![1.0],
@@ -136,7 +136,7 @@ fn weights(face: &[Point]) -> Option<Vec<f64>> {
         [p, q, r, s] => {
             let volume = |x: &Point, y: &Point, z: &Point| dot(x, &cross(y, z));
             let parts = [volume(q, r, s), -volume(p, r, s), volume(p, q, s), -volume(p, q, r)];
-            // Not inside of what could be flat.
+            // A face that could be flat has no inside.
             let extent = face.iter().fold(0.0_f64, |most, corner| most.max(length(corner)));
             let (sign, rounding) = (parts[0].signum(), 1e-15 * extent.powi(3));
             parts.map(|part| sign * part - rounding).to_vec()

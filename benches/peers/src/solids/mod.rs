@@ -1,4 +1,4 @@
-//! Convex shapes of a formula, pair by pair, compared with the libraries that have such.
+//! Analytic convex shapes, pair by pair, compared with the libraries that have them.
 
 mod bodies;
 mod cases;
@@ -20,7 +20,8 @@ use std::ops::Range;
 use std::time::Instant;
 
 /// A distance is wrong if its error is more than this share of the distance and the smaller body's diagonal together:
-/// the peers' default tolerances are 1e-6 of the distance or in the unit of the data. A witness is wrong by as much.
+/// the peers' default tolerances are 1e-6 of the distance or in the unit of the data. The same error makes a witness
+/// wrong.
 const AGREE: f64 = 1e-5;
 
 pub(crate) fn run(options: &Options) -> Result<(), String> {
@@ -46,7 +47,7 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
 /// Passes over a block. The clock of some machines has steps of 10 ns, so that a time is a mean of many readings.
 const PASSES: usize = 15;
 
-/// The times of a function in ns: of each case, and their mean without reading the clock at each call.
+/// The times of a function in ns: for each case, and their mean without reading the clock at each call.
 struct Times {
     of: Vec<f64>,
     mean: f64,
@@ -87,7 +88,7 @@ fn in_turns(entrants: &[Entrant], count: usize) -> Vec<Results> {
     results
 }
 
-/// What [`Times`] measures of a call that does nothing.
+/// The time that [`Times`] measures for a call that does nothing.
 fn clock() -> f64 {
     let nothing: Box<dyn Fn(usize) -> bool> = Box::new(|case| case % 2 == 0);
     let mut times = Times { of: vec![0.0; 1000], mean: 0.0 };
@@ -130,7 +131,7 @@ impl Times {
     }
 }
 
-/// The mean without what an interruption took, and without the first pass, which fills the caches.
+/// The mean without interruptions, and without the first pass, which fills the caches.
 fn undisturbed(mut times: Vec<f64>) -> f64 {
     times.remove(0);
     times.sort_by(f64::total_cmp);
@@ -139,7 +140,7 @@ fn undisturbed(mut times: Vec<f64>) -> f64 {
     times.iter().sum::<f64>() / times.len() as f64
 }
 
-/// What is wrong with an answer.
+/// The fault of a wrong answer.
 enum Fault {
     Distance,
     Witness,

@@ -1,4 +1,4 @@
-//! simdop: its shapes, and what stood for them before, solid meshes.
+//! simdop: its shapes, and the solid meshes that replaced them before.
 
 use super::cases::Suite;
 use super::entrants::{Distance, Entrant};
@@ -15,10 +15,10 @@ use std::rc::Rc;
 /// The name of our entrant, which ratios refer to.
 pub(super) const OURS: &str = "simdop";
 
-/// Prisms and pyramids are within this share of the radius of their cylinders and cones.
+/// Prisms and pyramids deviate from their cylinders and cones by at most this share of the radius.
 const ERROR: f64 = 1e-3;
 
-/// Half-spaces are cubes of this many of the other body's diagonals.
+/// Half-spaces are replaced by cubes this many of the other body's diagonals wide.
 const GROUND: f64 = 1024.0;
 
 pub(super) fn entrants(suite: &Suite) -> Vec<Entrant> {
@@ -54,7 +54,7 @@ fn shapes(suite: &Suite) -> Entrant {
     }
 }
 
-/// A tree, whose triangles have a radius, and where the solid's origin is in its frame.
+/// A tree whose triangles have a radius, and the solid's origin in its frame.
 struct Widened {
     tree: Bvh<Node16<18>>,
     radius: f64,
@@ -109,7 +109,7 @@ fn meshes(suite: &Suite) -> Entrant {
             let found = query.distance(&a.tree.view(), &b.tree.view(), &poses[i], 0.0).expect("a tolerance");
             let points = found.witness.map(|witness| [witness.a, witness.b])?;
             let gap: [f64; 3] = core::array::from_fn(|j| points[1][j] - points[0][j]);
-            // From the axes of capsules and the centres of spheres to their surfaces.
+            // Moves points from the axes of capsules and the centres of spheres to their surfaces.
             let shift = |p: [f64; 3], by: f64| core::array::from_fn(|j| p[j] + gap[j] * (by / found.upper));
             let at = [shift(points[0], a.radius), shift(points[1], -b.radius)];
             Some(Distance { distance: found.upper - a.radius - b.radius, points: at })

@@ -29,7 +29,7 @@ pub(super) struct Row {
     pub(super) version: String,
     pub(super) verdict_median_ns: f64,
     pub(super) verdict_p99_ns: f64,
-    /// Without reading the clock at each call.
+    /// The mean time of a verdict, without reading the clock at each call.
     pub(super) verdict_mean_ns: f64,
     /// Answers "free" where the solids meet.
     pub(super) missed: usize,
@@ -39,7 +39,7 @@ pub(super) struct Row {
     pub(super) distance_p99_ns: Option<f64>,
     pub(super) distance_mean_ns: Option<f64>,
     pub(super) distance_wrong: Option<usize>,
-    /// Of distances that are right.
+    /// Wrong witnesses of right distances.
     pub(super) witness_wrong: Option<usize>,
 }
 

@@ -1,10 +1,10 @@
-//! What is true of two shapes in one frame: the exact oracle of the tests.
+//! True answers for two shapes in one frame, by the exact oracle of the tests.
 
 use crate::shape_oracle;
 pub(super) use crate::shape_oracle::Judgement;
 use simdop::primitive::shape::Shape;
 
-/// Part of the names of the files of poses: verdicts of another truth are not read.
+/// Part of the names of pose files, so that verdicts of another oracle are not read.
 pub(super) const NAME: &str = "exact";
 
 /// Whether the distance of the shapes is at most the margin.

@@ -81,7 +81,7 @@ fn false_positives_are_those_of_brute_force() {
     let poses = [0.0, 0.5, 1.3, 9.0].map(|x| Pose::from_rows(turned(x)).unwrap());
     let coarse = check::<Node16<6>, 6>(&meshes, 1, &poses);
     let fine = check::<Node16<18>, 18>(&meshes, 1, &poses);
-    // The same triangles meet; tighter k-DOPs separate more pairs.
+    // The same triangles meet, and tighter k-DOPs separate more pairs.
     assert!(fine.triangles == coarse.triangles && fine.volumes < coarse.volumes, "{fine:?}, {coarse:?}");
     check::<Node16<14>, 14>(&meshes, 3, &poses);
     check::<Node4<18>, 18>(&meshes, 2, &poses);

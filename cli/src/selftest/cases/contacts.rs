@@ -81,7 +81,7 @@ pub(super) fn coincident(draw: &mut Draw) -> Trial {
     let others = fan(draw, 4, 0.5);
     let (one, b) = (surface(draw, &one), surface(draw, &others));
     let a = Figure { copies: 100_000, ..one };
-    // Only four poses, since they are slow, so that several formats are covered.
+    // Only four poses, since they are slow: then several formats are covered.
     let poses = (0..4).map(|_| {
         let turn = any_turn(draw);
         in_contact(draw, [&a, &b], &turn, 1.0)

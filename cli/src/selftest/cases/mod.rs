@@ -9,19 +9,19 @@ use super::draw::Draw;
 use super::points::{self, Neighbourhood};
 use super::trial::Trial;
 
-/// Draws the trials of a case.
+/// A function that draws the trials of a case.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Maker {
     /// Bodies that are tested for collision.
     Bodies(fn(&mut Draw) -> Trial),
-    /// Points that are asked for their neighbours.
+    /// Points whose neighbours are searched.
     Points(fn(&mut Draw) -> Neighbourhood),
 }
 
 #[derive(Copy, Clone, Debug)]
 pub(super) struct HardCase {
     pub(super) name: &'static str,
-    /// The case that times are compared with: an easy one of the same kind.
+    /// The case with which times are compared: an easy one of the same kind.
     pub(super) benign: &'static str,
     pub(super) maker: Maker,
     /// Its share of all pairs is this divided by the sum over all cases.
@@ -47,7 +47,7 @@ pub(super) const CASES: [HardCase; 20] = [
     case("far-1e6", TRIANGLES, sizes::far_1e6),
     case("scale-ratio", TRIANGLES, sizes::scale_ratio),
     case("needle-fans", TRIANGLES, contacts::needle_fans),
-    // A pose takes a thousand times as long as those of the others.
+    // A pose takes a thousand times as long as in other cases.
     HardCase { share: 2, ..case("coincident", TRIANGLES, contacts::coincident) },
     case("turns", TRIANGLES, planes::turns),
     case("knife-edge", TRIANGLES, contacts::knife_edge),
@@ -73,8 +73,8 @@ mod tests {
     use crate::selftest::oracle::Oracle;
     use crate::selftest::trial::POSES;
 
-    /// Each case has both answers, and cases about borderline contacts have such poses: a suite whose bodies are all
-    /// far apart would accept any library.
+    /// Each case has both answers, and cases about borderline contacts have knife-edge poses: a suite whose bodies are
+    /// all far apart would accept any library.
     #[test]
     fn cases_are_hard() {
         let on_the_edge = ["coplanar-sheets", "knife-edge", "tangent-spheres", "nested-spheres", "turns"];

@@ -42,16 +42,16 @@ pub(super) fn scale_ratio(draw: &mut Draw) -> Trial {
     blobs(draw, sizes, [[0.0; 3]; 2])
 }
 
-/// Bodies of a few units of the smallest coordinates: of subnormal numbers in single precision, and of those that the
-/// library flushes to zero in double precision.
+/// Bodies a few units of the smallest coordinates in size: subnormal numbers in single precision, and in double
+/// precision, those that the library flushes to zero.
 pub(super) fn denormal(draw: &mut Draw) -> Trial {
     let exponent = if draw.is_single { -146 } else { -248 };
     let size = draw.size(exponent, exponent + 6);
     blobs(draw, [size; 2], [[0.0; 3]; 2])
 }
 
-/// Bodies of which one is about 2^9 times as large as the other: in the frame of the smaller one, its planes are far
-/// beyond the largest key.
+/// Bodies of which one is about 2^9 times as large as the other: in the frame of the smaller one, the planes of the
+/// larger are far beyond the largest key.
 pub(super) fn key_overflow(draw: &mut Draw) -> Trial {
     let ratio = draw.size(7, 10);
     let unit = power_of_two(draw.int(-8, 8));

@@ -32,7 +32,7 @@ pub(super) fn benign_on_triangles(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Clearly separate or clearly overlapping.
+/// A pose at which the bodies are clearly separate, or clearly overlap.
 fn clear(draw: &mut Draw, bodies: [&Figure; 2]) -> Matrix {
     let (turn, direction) = (draw.turn(), draw.direction());
     touching(bodies, &turn, &direction, draw.signed(-6, -2))
@@ -79,7 +79,8 @@ fn ball_of(draw: &mut Draw, figure: &Figure) -> Sphere {
     }
 }
 
-/// Places a sphere of A at a distance from one of B that their radii determine: the sum of the radii makes them touch.
+/// Places a sphere of A at a distance from one of B that `distance` computes from their radii: at the sum of the radii
+/// they touch.
 fn tangent_pose(
     draw: &mut Draw,
     bodies @ [a, b]: [&Figure; 2],
@@ -88,7 +89,7 @@ fn tangent_pose(
 ) -> Matrix {
     let turn = if draw.below(4) == 0 { draw.turn() } else { draw.quarter_turns() };
     let gap = if draw.is_heads() { 0.0 } else { draw.signed(-52, -4) };
-    // Beside all of B, so that spheres which do not touch do not meet either.
+    // Beside all of B, so that no other spheres meet.
     if draw.is_heads() {
         let direction = if draw.is_heads() { draw.axis() } else { draw.direction() };
         return touching(bodies, &turn, &direction, gap);

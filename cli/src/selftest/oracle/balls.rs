@@ -12,14 +12,14 @@ use simdop::range::Point;
 /// Relative bound, 2^-44, on the effect of rounding on a length, or on a point of a triangle.
 const FILTER: f64 = 256.0 * f64::EPSILON;
 
-/// Exact, for the given centres and radii.
+/// Whether two balls meet: exact, for the given centres and radii.
 pub(super) fn balls_meet(a: &Sphere, b: &Sphere) -> bool {
     let [p, q, [r, s, _]] = integers([a.centre, b.centre, [a.radius, b.radius, 0.0]]);
     let (way, reach) = (difference(&p, &q), r + s);
     exact_dot(&way, &way) <= &reach * &reach
 }
 
-/// For all positions of a centre within `moved` of the given one, in each coordinate.
+/// Whether two balls meet, for all positions of a centre within `moved` of the given one, in each coordinate.
 pub(super) fn rough_balls(a: &Sphere, b: &Sphere, moved: f64) -> Rough {
     let between = length(&minus(&a.centre, &b.centre));
     let reach = a.radius + b.radius;
@@ -27,8 +27,8 @@ pub(super) fn rough_balls(a: &Sphere, b: &Sphere, moved: f64) -> Rough {
     decided(between - reach, between - reach, error)
 }
 
-/// Exact. The distance of a point from a triangle is that from a corner, from an edge if the point projects between its
-/// ends, or from the plane if the point is over the face; and none of these that is defined is smaller than it.
+/// Exact. The distance of a point from a triangle is the least of its distances from the corners, from the edges
+/// between whose ends it projects, and from the plane if it is over the face.
 pub(super) fn ball_meets_triangle(ball: &Sphere, t: &Triangle) -> bool {
     let [p, q, r, centre, [radius, _, _]] =
         integers([t[0], t[1], t[2], ball.centre, [ball.radius, 0.0, 0.0]]);
@@ -53,7 +53,8 @@ pub(super) fn ball_meets_triangle(ball: &Sphere, t: &Triangle) -> bool {
     length > IBig::ZERO && (0..3).all(is_over) && &height * &height <= square * length
 }
 
-/// For all positions of the centre, or of the corners, within `moved` of the given ones, in each coordinate.
+/// Whether a ball meets a triangle, for all positions of the centre, or of the corners, within `moved` of the given
+/// ones, in each coordinate.
 pub(super) fn rough_ball_and_triangle(ball: &Sphere, t: &Triangle, moved: f64) -> Rough {
     let corners = t.map(|p| minus(&p, &ball.centre));
     let nearest = nearest_to_origin(&corners);
@@ -66,7 +67,7 @@ pub(super) fn rough_ball_and_triangle(ball: &Sphere, t: &Triangle, moved: f64) -
     decided(lower - ball.radius, upper - ball.radius, FILTER * size + 2.0 * moved)
 }
 
-/// Decides by bounds on a gap, each of which may be wrong by the error.
+/// Decides by bounds on a gap, each of which may be off by the error.
 fn decided(lower: f64, upper: f64, error: f64) -> Rough {
     if lower > error {
         Rough::Apart

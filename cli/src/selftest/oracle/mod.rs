@@ -26,7 +26,7 @@ pub(super) enum Convex {
 /// A body of a trial.
 #[derive(Clone, Debug)]
 pub(super) struct Figure {
-    /// All of one kind.
+    /// The primitives, all of one kind.
     pub(super) items: Vec<Convex>,
     /// How many times the body contains each of them.
     pub(super) copies: usize,
@@ -34,7 +34,7 @@ pub(super) struct Figure {
     pub(super) is_solid: bool,
 }
 
-/// What is so at a pose.
+/// The exact answer at a pose.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Truth {
     pub(super) meets: bool,
@@ -73,7 +73,7 @@ impl Figure {
     }
 }
 
-/// As documented at [`simdop::pose::Pose::apply`]: verdicts are exact for corners rounded in this way.
+/// The moved point, as documented at [`simdop::pose::Pose::apply`]: verdicts are exact for corners rounded in this way.
 pub(super) fn placed(rows: &Matrix, p: &Point) -> Point {
     flushed(rows.map(|[x, y, z, t]| ((x * p[0] + y * p[1]) + z * p[2]) + t))
 }
@@ -340,7 +340,7 @@ mod tests {
         Draw::new(9, "", i, false).turn()
     }
 
-    /// Bodies of balls, compared with the sums in `f64` where these are conclusive.
+    /// Compares bodies of balls with sums in `f64` where these are conclusive.
     #[test]
     fn balls_meet_where_their_distance_says() {
         let mut draw = Draw::new(10, "", 0, false);

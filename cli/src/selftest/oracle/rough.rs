@@ -1,6 +1,6 @@
 //! Answers of filters.
 
-/// What a filter says of a pair.
+/// A filter's verdict on a pair.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Rough {
     Apart,

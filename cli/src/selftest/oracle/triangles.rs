@@ -8,10 +8,10 @@
 //! axes. This holds for triangles without area, too; products that vanish separate nothing.
 //!
 //! **The filter.** A direction is computed from differences u, v of corners, and projects a difference d. Each
-//! difference, product and sum is rounded once, eight of them on the way from corners to a term of a projection, so
-//! that the result is off by at most 9 2^-53 of the sum of the magnitudes of its products. The filter allows 2^-48,
-//! which also covers the rounding of that sum. Nothing underflows: coordinates are 0 or at least 2^-250, differences
-//! are multiples of 2^-302, and products of three of these are above 2^-906. Differences are below 2^302, so nothing
+//! difference, product and sum is rounded once. Eight roundings lie between the corners and a term of a projection, so
+//! the result is off by at most 9 2^-53 of the sum of the magnitudes of its products. The filter allows 2^-48, which
+//! also covers the rounding of that sum. Nothing underflows: coordinates are 0 or at least 2^-250, differences are
+//! multiples of 2^-302, and products of three of these are above 2^-906. Differences are below 2^302, so nothing
 //! overflows.
 
 use super::integers::{Exact, cross, difference, dot, integers};
@@ -31,7 +31,7 @@ fn products() -> impl Iterator<Item = Product> {
     normals.into_iter().chain(of_edges).chain(with_axes)
 }
 
-/// Exact, for the given corners.
+/// Whether two triangles meet: exact, for the given corners.
 pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     let projected = Projected::new(a, b, 0.0);
     let mut exact = None;
@@ -42,7 +42,7 @@ pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     })
 }
 
-/// For all positions of A's corners within `moved` of the given ones, in each coordinate.
+/// Whether two triangles meet, for all positions of A's corners within `moved` of the given ones, in each coordinate.
 pub(super) fn rough(a: &Triangle, b: &Triangle, moved: f64) -> Rough {
     let projected = Projected::new(a, b, moved);
     let mut all = Rough::Together;
@@ -56,7 +56,7 @@ pub(super) fn rough(a: &Triangle, b: &Triangle, moved: f64) -> Rough {
     all
 }
 
-/// Without the filter.
+/// [`meet`] without the filter.
 #[cfg(test)]
 pub(super) fn meet_by_integers(a: &Triangle, b: &Triangle) -> bool {
     let exact = corners(a, b);
@@ -204,7 +204,8 @@ mod tests {
         assert!(meet(&p, &p) && !meet(&p, &q));
     }
 
-    /// On a lattice, where contacts are frequent, in several units, and moved by a unit in the last place.
+    /// Tests triangles on a lattice, where contacts are frequent, in several units, and moved by a unit in the last
+    /// place.
     #[test]
     fn the_filter_changes_no_verdict() {
         let mut draw = Draw::new(5, "", 0, false);
@@ -228,7 +229,7 @@ mod tests {
         assert!(hits > pairs / 10 && hits < pairs * 9 / 10, "{hits} hits");
     }
 
-    /// What is certain for all motions of A holds for each of them.
+    /// A verdict that is certain for all motions of A holds for each of them.
     #[test]
     fn what_is_certain_stays_so() {
         let mut draw = Draw::new(6, "", 0, false);

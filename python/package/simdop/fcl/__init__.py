@@ -1,6 +1,6 @@
 """The interface of python-fcl over simdop: ``import simdop.fcl as fcl``.
 
-What differs is in the package's README: a manager calls back for pairs that meet, or for the nearest pair, and not for
+The package's README lists the differences: a manager calls back for pairs that meet, or for the nearest pair, not for
 all pairs whose boxes overlap.
 """
 

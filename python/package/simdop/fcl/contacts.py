@@ -20,7 +20,7 @@ def find_contacts(o1: CollisionObject, o2: CollisionObject, most: int) -> list[C
 
 
 def bare_contact(o1: CollisionObject, o2: CollisionObject) -> Contact:
-    """A contact of two objects without its place and depth."""
+    """A contact of two objects without its position and depth."""
     contact = Contact()
     contact.o1, contact.o2 = o1._geometry, o2._geometry
     contact.b1 = contact.b2 = -1

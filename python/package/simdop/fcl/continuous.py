@@ -1,4 +1,4 @@
-"""When two objects that move meet."""
+"""When two moving objects meet."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _angle(q: Floats) -> float:
 
 
 def _at(start: Floats, end: Floats, time: float, motion: int) -> Floats:
-    """A pose of a motion. The rotation of a translation stays; of others it turns about one axis."""
+    """A pose of a motion. A translation keeps the rotation; other motions rotate about one axis."""
     pose = start.copy()
     pose[:3, 3] = (1 - time) * start[:3, 3] + time * end[:3, 3]
     if motion != CCDMotionType.CCDM_TRANS:
@@ -43,10 +43,10 @@ def continuousCollide(
     request: ContinuousCollisionRequest | None = None,
     result: ContinuousCollisionResult | None = None,
 ) -> float:
-    """The first time from 0 to 1 at which two objects meet that move to other poses; 1 if none.
+    """The first time, from 0 to 1, at which two objects that move to other poses meet; 1 if none.
 
-    By conservative advancement: no contact is missed. Steps end at a distance of ``toc_err`` times the motion's length,
-    or after a thousand. All motions but translations are linear ones, with a rotation about one axis.
+    Conservative advancement, which misses no contact, ends at a distance of ``toc_err`` times the motion's length, or
+    after a thousand steps. All motions but translations are treated as linear, with a rotation about one axis.
     """
     request = ContinuousCollisionRequest() if request is None else request
     result = ContinuousCollisionResult() if result is None else result

@@ -1,4 +1,4 @@
-"""What all geometries have in common."""
+"""The base of all geometries."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ class CollisionGeometry:
         return self._NODE
 
     def computeLocalAABB(self) -> None:
-        """Do nothing: bodies have their bounds."""
+        """Do nothing: bodies always have bounds."""
 
     def _key(self) -> Any:
-        """The attributes that the body is made of, where they may change."""
+        """The attributes that define the body, if they may change."""
         return None
 
     def _make(self) -> Body:
         raise NotImplementedError(f"simdop.fcl has no queries of {type(self).__name__}")
 
     def _body(self) -> Body:
-        # Shapes may be changed by their attributes.
+        # Users may change the attributes of shapes.
         key = self._key()
         made: tuple[Any, Body] | None = getattr(self, "_made", None)
         if made is None or made[0] != key:
@@ -49,5 +49,5 @@ class CollisionGeometry:
         raise NotImplementedError(f"simdop.fcl has no penetration depth of {type(self).__name__}")
 
     def _reach(self) -> float:
-        """A bound of the points' distances from the origin."""
+        """An upper bound on the distance of any point from the origin."""
         return math.sqrt(sum(max(float(n @ self._support(n)), -float(n @ self._support(-n))) ** 2 for n in np.eye(3)))

@@ -32,7 +32,7 @@ def defaultDistanceCallback(o1: CollisionObject, o2: CollisionObject, cdata: Dis
 
 
 def nearest_pairs(scene: Scene, other: Scene | None) -> list[tuple[int, int]]:
-    """The pairs of one scene, or of two, that meet, by their numbers; if there is none, the nearest pair."""
+    """The pairs of one scene, or of two, that meet, by their numbers; if none meet, the nearest pair."""
     nearest = scene.clearance(other=other)
     if nearest.bodies is None:
         return []
@@ -70,7 +70,7 @@ class DynamicAABBTreeCollisionManager:
         self._known[number] = obj
 
     def unregisterObject(self, obj: CollisionObject) -> None:
-        """Remove an object, if it is there."""
+        """Remove an object, if the manager has it."""
         number = self._numbers.pop(id(obj), None)
         if number is not None:
             self._scene.remove(number)
@@ -80,7 +80,7 @@ class DynamicAABBTreeCollisionManager:
         """Do nothing: objects are ready when they are added."""
 
     def update(self, arg: Any = None) -> None:
-        """Take over the poses of one object, of several, or of all."""
+        """Update the poses of one object, of several, or of all."""
         objects = self._known.values() if arg is None else arg if hasattr(arg, "__len__") else [arg]
         for obj in objects:
             number = self._numbers.get(id(obj))
@@ -92,7 +92,7 @@ class DynamicAABBTreeCollisionManager:
         return list(self._known.values())
 
     def empty(self) -> bool:
-        """Whether there is none."""
+        """Whether the manager has no objects."""
         return not self._known
 
     def size(self) -> int:

@@ -63,12 +63,12 @@ class CollisionObject(Posed):
         return isinstance(self._geometry, BVHModel)
 
     def _triangle(self, index: int) -> int:
-        """The index of a primitive that is a mesh's triangle; -1 of a shape."""
+        """The index of a primitive if it is a mesh's triangle; -1 for a shape."""
         return int(index) if self._is_mesh() else -1
 
 
 def scene_of(objects: Iterable[CollisionObject]) -> tuple[Scene, dict[int, CollisionObject]]:
-    """A scene of objects, and those by their numbers."""
+    """A scene of objects, and the objects by number."""
     scene, known = Scene(), {}
     for each in objects:
         known[each._add_to(scene)] = each

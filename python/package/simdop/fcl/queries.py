@@ -33,7 +33,7 @@ def collide(
 
 
 def _overlap(o1: CollisionObject, o2: CollisionObject, is_signed: bool) -> tuple[float, list[Floats | None], int, int]:
-    """What ``distance`` tells of two objects that meet."""
+    """What ``distance`` returns for two objects that meet."""
     if o1._is_mesh() and o2._is_mesh():
         found = find_contacts(o1, o2, 1)
         first = found[0] if found else bare_contact(o1, o2)
@@ -53,7 +53,7 @@ def distance(
 ) -> float:
     """The distance of two objects.
 
-    Of objects that meet it is 0 for two meshes; for others, less their depth if ``enable_signed_distance``, else -1.
+    Of objects that meet, it is 0 for two meshes; else minus their depth if ``enable_signed_distance``, else -1.
     """
     request = DistanceRequest() if request is None else request
     result = DistanceResult() if result is None else result

@@ -1,4 +1,4 @@
-"""What queries are asked for, and what they answer."""
+"""Requests and results of queries."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .geometry import CollisionGeometry
 
 
 class Contact:
-    """Two primitives that meet: ``b1`` and ``b2`` are triangles of meshes, or -1 of shapes."""
+    """Two primitives that meet: ``b1`` and ``b2`` are triangles of meshes, or -1 for shapes."""
 
     def __init__(self) -> None:
         self.o1: CollisionGeometry | None = None
@@ -35,7 +35,7 @@ class CostSource:
 
 
 class CollisionRequest:
-    """What ``collide`` returns. Costs and solvers are ignored."""
+    """What ``collide`` should return. Costs and solvers are ignored."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class CollisionRequest:
 
 
 class CollisionResult:
-    """What ``collide`` has found, added up over its calls."""
+    """What ``collide`` has found, accumulated over its calls."""
 
     def __init__(self, is_collision: bool = False) -> None:
         self.is_collision = is_collision
@@ -64,7 +64,7 @@ class CollisionResult:
 
 
 class ContinuousCollisionRequest:
-    """How far a motion may be from contact to count as in contact: ``toc_err``. Solvers are ignored."""
+    """How near a motion must come to count as in contact: ``toc_err``. Solvers are ignored."""
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class ContinuousCollisionResult:
 
 
 class DistanceRequest:
-    """What ``distance`` returns."""
+    """What ``distance`` should return."""
 
     def __init__(
         self,
@@ -104,7 +104,7 @@ class DistanceRequest:
 
 
 class DistanceResult:
-    """The least distance of several calls, and of which objects."""
+    """The least distance over several calls, and its objects."""
 
     def __init__(self, min_distance_: float = sys.float_info.max) -> None:
         self.min_distance = min_distance_

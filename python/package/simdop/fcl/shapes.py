@@ -1,4 +1,4 @@
-"""Geometries by their measures, and convex solids."""
+"""Shapes by their dimensions, and convex solids."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class _Round(CollisionGeometry):
 
 
 class Capsule(_Round):
-    """A capsule along z: ``lz`` is the distance of the centres of its two hemispheres."""
+    """A capsule along z: ``lz`` is the distance between the centres of its two hemispheres."""
 
     _NODE = NODE_TYPE.GEOM_CAPSULE
 
@@ -174,7 +174,7 @@ class Plane(Halfspace):
 
 
 class Convex(CollisionGeometry):
-    """The hull of vertices; ``faces``, each polygon's number of corners before their indices, are only checked."""
+    """The hull of vertices; ``faces``, for each polygon its number of corners and their indices, are only checked."""
 
     _NODE = NODE_TYPE.GEOM_CONVEX
 

@@ -25,7 +25,7 @@ def from_quaternion(q: Floats) -> Floats:
 
 def to_quaternion(m: Floats) -> Floats:
     """The quaternion w, x, y, z of a rotation, (3, 3)."""
-    # The largest component first, so that its root is not small.
+    # The largest component first: dividing by it is accurate.
     squares = np.array(
         [
             1 + m[0, 0] + m[1, 1] + m[2, 2],
@@ -73,7 +73,7 @@ class Posed:
 
 
 class Transform(Posed):
-    """A rigid motion: of nothing, a rotation (matrix or quaternion), a translation, both, or another transform."""
+    """A rigid motion, from nothing, a rotation (matrix or quaternion), a translation, both, or another transform."""
 
     def __init__(self, *args: Any) -> None:
         self._matrix = np.eye(4)

@@ -117,7 +117,7 @@ fn seats_are_where_the_scalar_descent_ends() {
     }
 }
 
-/// Two boxes so near to a query that a device cannot decide which is nearer.
+/// Two boxes so close to a query that a device cannot decide which is nearer.
 #[test]
 fn a_device_says_where_it_is_not_sure() {
     let Some(gpu) = device() else { return };

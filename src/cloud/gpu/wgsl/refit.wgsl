@@ -1,7 +1,7 @@
 // Moving points, and refitting boxes.
 
-/// The lesser of each pair: the first if the second is NaN, and the second if both are equal. As the scalar code
-/// merges boxes.
+/// The lesser of each pair: the first if the second is NaN, and the second if both are equal. The scalar code merges
+/// boxes in the same way.
 fn lesser(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
     return select(b, a, (order(a) < order(b) & !is_nan(a)) | is_nan(b));
 }

@@ -8,7 +8,7 @@ fn upper_of(node: u32, lane: u32) -> vec3<u32> {
     return vec3(nodes[node].upper[0][lane], nodes[node].upper[1][lane], nodes[node].upper[2][lane]);
 }
 
-/// Whether a lane has a link, to points of which not all were removed.
+/// Whether a lane links to points that were not all removed.
 fn holds(child: u32, lower: vec3<u32>) -> bool {
     return child != UNUSED && !is_nan(vec4(lower, 0u)).x;
 }

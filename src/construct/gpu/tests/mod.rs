@@ -60,7 +60,7 @@ struct Nodes {
 }
 
 impl Nodes {
-    /// With sizes at which kernels change their behaviour, and of all kinds: spread, in few places, flat, coincident,
+    /// Sizes at which kernels change their behaviour, and all kinds of nodes: spread, in few places, flat, coincident,
     /// in corners.
     fn generate(random: &mut Random, weighted: bool, sizes: &[usize]) -> Self {
         let count: usize = sizes.iter().sum();
@@ -191,7 +191,7 @@ impl<'a, const N: usize> Rig<'a, N> {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(compiled.pipeline(kernel as usize));
             pass.set_bind_group(0, &self.groups[kernel as usize], &[]);
-            // In two dimensions, and more than needed.
+            // Dispatch in two dimensions, and more groups than needed.
             pass.dispatch_workgroups(3, kernel.groups(&self.level, N).div_ceil(3) + 1, 1);
             drop(pass);
             gpu.queue.submit([encoder.finish()]);

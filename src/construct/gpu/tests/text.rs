@@ -67,7 +67,7 @@ fn structures_are_laid_out_as_in_the_kernels() {
     }
 }
 
-/// As the documentation of the module states.
+/// The sizes that the documentation of the module states.
 #[test]
 fn memory_is_a_number_of_bytes_for_each_primitive() {
     for (lanes, most) in [(4, 69), (16, 61)] {

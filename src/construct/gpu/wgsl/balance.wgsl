@@ -1,30 +1,30 @@
-// Full nodes: a flow of least cost from lanes that are too full to lanes with room.
+// Full nodes: a minimum-cost flow from overfull lanes to lanes with room.
 
 const PAIRS = LANES * LANES;
 /// No lane.
 const NONE = 0xffffffffu;
 const UNREACHED = 0x7fffffff;
 
-/// Of the lanes.
+/// The number of primitives of each lane.
 var<workgroup> sizes: array<u32, LANES>;
 var<workgroup> rooms: array<u32, LANES>;
-/// The least cost of a move from one lane to another, and the first primitive that has it.
+/// The least cost of a move from one lane to another, and the first primitive with this cost.
 var<workgroup> move_cost: array<atomic<i32>, PAIRS>;
 var<workgroup> move_primitive: array<atomic<u32>, PAIRS>;
-/// Lanes whose moves are to be found again, a bit each.
+/// Lanes whose moves must be recomputed, one bit each.
 var<workgroup> stale: u32;
-/// The cheapest way to each lane from any that is too full, and the lane before it.
+/// The cheapest path to each lane from any overfull lane, and the lane before it.
 var<workgroup> path_cost: array<i32, LANES>;
 var<workgroup> giver_of: array<u32, LANES>;
 var<workgroup> shorter: atomic<u32>;
-/// What all threads agree on.
+/// A decision that one thread shares with all.
 var<workgroup> verdict: u32;
 
 fn cost(lane: u32, p: vec3<u32>) -> i32 {
     return i32(distance_to(lane, p) >> COST_SHIFT);
 }
 
-/// One thread: how many primitives each lane has room for.
+/// Computes the capacity of each lane. For one thread.
 fn make_rooms(count: u32) {
     for (var lane = 0u; lane < LANES; lane++) {
         rooms[lane] = level.leaf_size;
@@ -42,7 +42,7 @@ fn make_rooms(count: u32) {
     }
 }
 
-/// Whether a lane has more than it has room for.
+/// Whether a lane exceeds its capacity.
 fn is_crowded(thread: u32) -> bool {
     if thread == 0u {
         verdict = 0u;
@@ -53,7 +53,7 @@ fn is_crowded(thread: u32) -> bool {
     return workgroupUniformLoad(&verdict) != 0u;
 }
 
-/// Finds the cheapest moves out of the stale lanes again.
+/// Recomputes the cheapest moves out of the stale lanes.
 fn renew(start: u32, count: u32, thread: u32) {
     let renewed = workgroupUniformLoad(&stale);
     for (var i = thread; i < PAIRS; i += WORKGROUP) {
@@ -71,7 +71,7 @@ fn renew(start: u32, count: u32, thread: u32) {
             for (var to = 0u; to < LANES; to++) {
                 let pair = lane * LANES + to;
                 let step = cost(to, p) - own;
-                // Few get here; fewer wait for each other.
+                // Few threads get here, and fewer contend.
                 if to != lane && step < atomicLoad(&move_cost[pair]) {
                     atomicMin(&move_cost[pair], step);
                 }
@@ -95,7 +95,7 @@ fn renew(start: u32, count: u32, thread: u32) {
     workgroupBarrier();
 }
 
-/// Bellman-Ford; a thread for each lane that takes.
+/// Bellman-Ford, with one thread per receiving lane.
 fn shortest_paths(thread: u32) {
     if thread < LANES {
         path_cost[thread] = select(UNREACHED, 0, sizes[thread] > rooms[thread]);
@@ -126,7 +126,7 @@ fn shortest_paths(thread: u32) {
     }
 }
 
-/// One thread: moves a primitive along the cheapest path. The lanes that it touches are stale.
+/// Moves a primitive along the cheapest path, and marks the lanes on it as stale. For one thread.
 fn shift_along(start: u32) {
     var end = NONE;
     for (var lane = 0u; lane < LANES; lane++) {
@@ -137,7 +137,7 @@ fn shift_along(start: u32) {
     }
     var lane = end;
     stale = 1u << end;
-    // A path has no cycle: the bound is for safety only.
+    // A path has no cycle: the bound is only for safety.
     for (var i = 0u; i < LANES && giver_of[lane] != NONE; i++) {
         let giver = giver_of[lane];
         lanes[start + atomicLoad(&move_primitive[giver * LANES + lane])] = lane;
@@ -148,8 +148,8 @@ fn shift_along(start: u32) {
     sizes[lane] -= 1u;
 }
 
-/// Moves primitives of each small node until no lane has more than it has room for, but MOVES_AT_ONCE times at most. The nodes' `ends`
-/// keep their rooms from the first time on.
+/// Moves primitives of each small node until no lane exceeds its capacity, at most MOVES_AT_ONCE times. The nodes'
+/// `ends` store the capacities from the first dispatch on.
 @compute @workgroup_size(WORKGROUP)
 fn balance(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -174,7 +174,7 @@ fn balance(
         }
     }
     load_prototypes(number, thread);
-    // Each turn takes a primitive out of a crowded lane.
+    // Each iteration takes a primitive out of an overfull lane.
     for (var i = 0u; i < MOVES_AT_ONCE; i++) {
         if !is_crowded(thread) {
             break;

@@ -1,16 +1,16 @@
-// What the kernels work on. The constants LANES, STEPS, ... are written before this text by the program (see shader.rs).
+// The buffers of the kernels. The program puts the constants LANES, STEPS, ... before this text (see shader.rs).
 
-/// Of all dispatches of a level.
+/// Parameters of all dispatches of a level.
 struct Level {
     nodes: u32,
-    /// Nodes of more than BALANCED_SIZE primitives. They come first; the others have one chunk each.
+    /// Number of nodes with more than BALANCED_SIZE primitives. They come first; the others have one chunk each.
     large_nodes: u32,
     chunks: u32,
-    /// Chunks of the large nodes. They come first.
+    /// Number of chunks of the large nodes. They come first.
     large_chunks: u32,
     seed: u32,
     leaf_size: u32,
-    /// 0 if all primitives weigh the same.
+    /// 0 if all primitives have the same weight.
     weighted: u32,
 }
 
@@ -19,28 +19,28 @@ struct Node {
     /// Its first primitive, in `order`.
     start: u32,
     count: u32,
-    /// Among all nodes of the tree, breadth-first.
+    /// Its index among all nodes of the tree, breadth first.
     number: u32,
     first_chunk: u32,
     chunks: u32,
 }
 
-/// Primitives that one workgroup handles.
+/// The primitives of one workgroup.
 struct Chunk {
     node: u32,
-    /// In `order`.
+    /// The first primitive, in `order`.
     start: u32,
     count: u32,
 }
 
-/// A node, while it is clustered.
+/// The state of a node during clustering.
 struct State {
-    /// From positions to local coordinates.
+    /// The shift from positions to local coordinates.
     shift: u32,
     weight_shift: u32,
-    /// Steps done.
+    /// Number of completed steps.
     step: u32,
-    /// MOVING, SETTLED, or why it is to be cut by axes.
+    /// MOVING, SETTLED, or why the node must be cut by axes.
     outcome: u32,
 }
 
@@ -57,25 +57,25 @@ const SETTLED = 1u;
 @group(0) @binding(5) var<storage, read> schedule: array<u32>;
 /// Primitives in the order of the nodes.
 @group(0) @binding(6) var<storage, read_write> order: array<u32>;
-/// Those of this level, in the order of the next.
+/// The primitives of this level, in the order of the next.
 @group(0) @binding(7) var<storage, read_write> sorted: array<u32>;
 /// Local coordinates and weight of each primitive, in the order of `order`: x | y << 16, z | weight << 16.
 @group(0) @binding(8) var<storage, read_write> places: array<vec2<u32>>;
 /// Lane of each primitive, in the order of `order`.
 @group(0) @binding(9) var<storage, read_write> lanes: array<u32>;
-/// Of each node: the complements of its low corner, its high corner, and its heaviest weight, all from 0 upwards.
+/// For each node the complements of its low corner, its high corner, and its greatest weight. All only grow, from 0.
 @group(0) @binding(10) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(11) var<storage, read_write> states: array<State>;
-/// LANES of each node: x | y << 16, z.
+/// LANES per node: x | y << 16, z.
 @group(0) @binding(12) var<storage, read_write> prototypes: array<vec2<u32>>;
-/// Of each chunk of a large node: LANES sums of weights, then of the moments of each axis.
+/// For each chunk of a large node LANES sums of weights, then LANES sums of moments for each axis.
 @group(0) @binding(13) var<storage, read_write> partial_sums: array<U64>;
-/// Primitives of each lane of each chunk; then where the first of them goes.
+/// Number of primitives of each lane of each chunk; then the destination of the first one.
 @group(0) @binding(14) var<storage, read_write> counts: array<u32>;
-/// LANES of each node: where its lanes end, from its first primitive; or an outcome from SMALL on, and nothing else.
+/// LANES per node: the ends of its lanes, relative to its first primitive; or a single outcome, SMALL or above.
 @group(0) @binding(15) var<storage, read_write> ends: array<u32>;
 
-/// The number of a workgroup of a dispatch in two dimensions.
+/// The index of a workgroup in a two-dimensional dispatch.
 fn group_number(group: vec3<u32>, groups: vec3<u32>) -> u32 {
     return group.y * groups.x + group.x;
 }

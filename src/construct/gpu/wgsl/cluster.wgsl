@@ -1,9 +1,9 @@
-// Distances, ranks, sums, and where the prototypes go.
+// Distances, ranks, sums, and the motion of the prototypes.
 
 /// Threads that share a lane's sum.
 const SLICES = WORKGROUP / LANES;
 const QUADS = LANES / 4u;
-/// Sums of a node: of weights, then of the moments of each axis.
+/// Number of sums of a node: of weights, then of the moments of each axis.
 const SUMS = 4u * LANES;
 
 /// Ranks of a batch of primitives, 4 bits each, and their places.
@@ -26,7 +26,7 @@ fn distance_to(lane: u32, p: vec3<u32>) -> u32 {
     return d.x * d.x + d.y * d.y + d.z * d.z;
 }
 
-/// The one with the lower index if two are equally near.
+/// The nearest prototype; of two equally near ones, the one with the lower index.
 fn nearest_lane(p: vec3<u32>) -> u32 {
     var lane = 0u;
     var least = distance_to(0u, p);
@@ -38,10 +38,10 @@ fn nearest_lane(p: vec3<u32>) -> u32 {
     return lane;
 }
 
-/// How many prototypes are nearer to p than each, 4 bits a lane.
+/// For each prototype, the number of prototypes nearer to p; 4 bits per lane.
 fn ranks(p: vec3<u32>) -> vec2<u32> {
     if h[1] == 0u {
-        // Only the nearest is pulled: any rank will do for the others.
+        // Only the nearest prototype is pulled: any rank will do for the others.
         let lane = nearest_lane(p);
         let one = 1u << (4u * (lane & 7u));
         return vec2(0x11111111u) - select(vec2(one, 0u), vec2(0u, one), lane >= 8u);
@@ -53,12 +53,12 @@ fn ranks(p: vec3<u32>) -> vec2<u32> {
             distance_to(lane, p), distance_to(lane + 1u, p), distance_to(lane + 2u, p), distance_to(lane + 3u, p)
         );
     }
-    // By fours, and in loops of constant length: compilers unroll them, and keep the distances in registers.
+    // Groups of four, in loops of constant length: compilers unroll them, and keep the distances in registers.
     var packed = vec2(0u);
     for (var q = 0u; q < QUADS; q++) {
         var rank = vec4(0u);
         for (var r = 0u; r < QUADS; r++) {
-            // Of equal distances that of the lower index counts as less.
+            // Of equal distances, the one with the lower index counts as less.
             let own = distances[q] + u32(r < q);
             let same = u32(r == q);
             let other = distances[r];
@@ -74,7 +74,7 @@ fn ranks(p: vec3<u32>) -> vec2<u32> {
     return packed;
 }
 
-/// `sums` of a range of `places`, by the prototypes `at` and with `h`.
+/// The sums over a range of `places`, for the prototypes `at` and the pulls `h`.
 fn add_up(start: u32, count: u32, thread: u32) {
     let lane = thread % LANES;
     let slice = thread / LANES;
@@ -125,7 +125,8 @@ fn mean(moment: U64, weight: U64) -> u32 {
     return quotient | u32(!is_less(rest, weight));
 }
 
-/// Moves each prototype `at` to its mean; one that nothing pulls stays. Whether any moved: for the whole workgroup.
+/// Moves each prototype `at` to its mean; one that nothing pulls stays. Returns to the whole workgroup whether any
+/// moved.
 fn move_prototypes(thread: u32) -> bool {
     if thread == 0u {
         atomicStore(&moved, 0u);
@@ -202,7 +203,7 @@ fn accumulate(
     }
 }
 
-/// The sums of each large node, and its prototypes moved.
+/// Adds the sums of each large node, and moves its prototypes.
 @compute @workgroup_size(UPDATE_WORKGROUP)
 fn update(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -239,7 +240,7 @@ fn update(
     }
 }
 
-/// Some steps of each small node: the next STEPS_AT_ONCE.
+/// The next STEPS_AT_ONCE steps of each small node.
 @compute @workgroup_size(WORKGROUP)
 fn cluster(
     @builtin(workgroup_id) group: vec3<u32>,

@@ -8,7 +8,7 @@ fn position(index: u32) -> vec3<u32> {
     return vec3(positions[3u * index], positions[3u * index + 1u], positions[3u * index + 2u]);
 }
 
-/// Of the primitives of each node. `boxes` starts as zeros.
+/// The box of the primitives of each node. `boxes` starts as zeros.
 @compute @workgroup_size(WORKGROUP)
 fn bounds(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -82,7 +82,7 @@ fn anywhere(random: u32, extent: u32) -> u32 {
     return ((random >> 16u) * size + ((random & 0xffffu) * size >> 16u)) >> 16u;
 }
 
-/// The frame of each node, and where its prototypes start: an invocation for each lane.
+/// The frame of each node, and the initial positions of its prototypes. One invocation per lane.
 @compute @workgroup_size(WORKGROUP)
 fn start(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -112,7 +112,7 @@ fn start(
     prototypes[i] = packed(at, 0u);
 }
 
-/// And weights, which count from 1.
+/// Local coordinates, and weights of at least 1.
 @compute @workgroup_size(WORKGROUP)
 fn local_coordinates(
     @builtin(workgroup_id) group: vec3<u32>,

@@ -1,4 +1,4 @@
-// 64-bit integers of the adapter (SHADER_INT64). The same names as in int64_pairs.wgsl.
+// 64-bit integers of the adapter (SHADER_INT64). Same names as in int64_pairs.wgsl.
 
 alias U64 = u64;
 

@@ -1,4 +1,5 @@
-// 64-bit integers in two words, the low one first, carried by hand: for adapters without SHADER_INT64, and with the bytes of u64.
+// 64-bit integers as two words, the low one first, with explicit carries, for adapters without SHADER_INT64. They have
+// the bytes of u64.
 
 alias U64 = vec2<u32>;
 

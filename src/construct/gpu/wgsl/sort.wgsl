@@ -2,14 +2,14 @@
 
 /// Primitives of each lane in this workgroup's chunk.
 var<workgroup> members: array<atomic<u32>, LANES>;
-/// Which threads' primitives of a batch are in each lane, a bit each.
+/// For each lane, the threads whose primitives of a batch are in it, one bit each.
 var<workgroup> masks: array<atomic<u32>, LANES * MASK_WORDS>;
-/// Where the next primitive of each lane goes.
+/// The destination of the next primitive of each lane.
 var<workgroup> next: array<u32, LANES>;
 
 const MASK_WORDS = WORKGROUP / 32u;
 
-/// The lane of each primitive, and how many each chunk has in each lane.
+/// The lane of each primitive, and the number of primitives of each chunk in each lane.
 @compute @workgroup_size(WORKGROUP)
 fn nearest(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -36,8 +36,8 @@ fn nearest(
     }
 }
 
-/// Where the lanes of each node end, and in `counts` where each chunk's first primitive of each lane goes. A node with only one lane
-/// in use is to be cut by axes.
+/// The ends of the lanes of each node, and in `counts` the destination of each chunk's first primitive of each lane. A
+/// node with only one used lane must be cut by axes.
 @compute @workgroup_size(WORKGROUP)
 fn lane_ends(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -83,7 +83,7 @@ fn lane_ends(
     }
 }
 
-/// Moves the primitives of each lane together, in the order they had.
+/// Moves the primitives of each lane together, in their previous order.
 @compute @workgroup_size(WORKGROUP)
 fn sort_by_lane(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -139,7 +139,7 @@ fn earlier(lane: u32, thread: u32) -> u32 {
     return count;
 }
 
-/// Makes `sorted` the order.
+/// Copies `sorted` to `order`.
 @compute @workgroup_size(WORKGROUP)
 fn replace(
     @builtin(workgroup_id) group: vec3<u32>,

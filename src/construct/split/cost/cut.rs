@@ -131,8 +131,8 @@ impl<'a> CutFinder<'a> {
         self.buffers.keys = keys;
     }
 
-    /// Tries cuts between bins. The share nearest to a border may be some primitives away from it, which does not
-    /// matter for more than [`MAX_SORTED`] primitives.
+    /// Tries cuts between bins. The share nearest to a bin's border may be some primitives away from it, which does
+    /// not matter for more than [`MAX_SORTED`] primitives.
     fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut BestCut) {
         let places = || items.iter().map(|&i| self.along(direction, i));
         let (low, high) =

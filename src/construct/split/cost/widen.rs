@@ -131,7 +131,7 @@ impl Widener<'_> {
         }
         let shares = LaneShares { total, lanes, leaf_size, arity };
         let Some(cut) = self.finder.best(items, &AXES, &shares, f64::INFINITY) else {
-            // All are in one place: no bin differs from another.
+            // All centroids coincide, so bins cannot separate them.
             return self.halve(items, start, lanes, ends);
         };
         self.finder.apply(items, &cut);

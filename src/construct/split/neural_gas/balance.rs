@@ -6,8 +6,7 @@
 //! primitive that must leave a lane makes room by moving a neighbour to the next lane, and so on, instead of jumping
 //! across the node.
 //!
-//! Without balancing, half of the nodes would be those of clusters slightly larger than their lane, with two lanes in
-//! use.
+//! Without balancing, half of the nodes would hold clusters slightly larger than a leaf allows, with two used lanes.
 
 use super::accumulate::distances;
 use super::prototypes::Prototypes;
@@ -104,7 +103,7 @@ impl<const N: usize> Balance<N> {
 }
 
 /// The capacity of each lane. Each additional node, which turns one leaf into N, goes to the lane with the greatest
-/// lack.
+/// deficit.
 fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     let leaf = leaf_size as u32;
     let count: u32 = sizes.iter().sum();

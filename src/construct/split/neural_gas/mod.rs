@@ -21,7 +21,7 @@
 //! | quantity | range | type |
 //! |---|---|---|
 //! | position over the root's box, one scale for all axes | 0 ..= 2^32 - 1 | u32 |
-//! | local coordinate: position less the node's low corner, shifted | 0 ..= 2^15 - 1 | u16 |
+//! | local coordinate: position minus the node's low corner, shifted | 0 ..= 2^15 - 1 | u16 |
 //! | squared distance | <= 3 (2^15 - 1)^2 < 2^32 | u32 |
 //! | h | 0 ..= 2^12 - 1 | u16 |
 //! | weight v in a node of c < 2^b primitives; 1 without weights | 1 ..= 2^min(13, 37 - b) - 1 | u16 |
@@ -38,7 +38,7 @@
 //!
 //! A node is cut by the extended longest axis, in full precision, if it is so small that quantised positions hardly
 //! distinguish its primitives, if one prototype takes all primitives, or if the branch is so unbalanced that it would
-//! become too deep. This always terminates.
+//! become too deep. So construction always terminates.
 
 mod accumulate;
 mod balance;

@@ -40,7 +40,7 @@ impl<'a> Samples<'a> {
         self.points.len()
     }
 
-    /// Quantised.
+    /// The quantised positions.
     #[cfg(feature = "gpu")]
     pub(in crate::construct) fn positions(&self) -> &[[u32; 3]] {
         &self.positions
@@ -102,7 +102,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// None if the quantised positions hardly distinguish the primitives.
+    /// `None` if the quantised positions hardly distinguish the primitives.
     fn of(bounds: &SampleBox, count: usize) -> Option<Self> {
         let size: [u32; 3] = core::array::from_fn(|i| bounds.high[i] - bounds.low[i]);
         let longest = size.into_iter().fold(0, u32::max);
@@ -122,14 +122,14 @@ pub(in crate::construct) struct Cluster {
     len: usize,
     extent: [u16; 3],
     coordinates: [Vec<u16>; 3],
-    /// Empty if all weigh 1.
+    /// Empty if all weights are 1.
     weights: Vec<u16>,
 }
 
 /// Up to [`BLOCK`] primitives.
 pub(in crate::construct) struct Block<'a> {
     pub(in crate::construct) coordinates: [&'a [u16; BLOCK]; 3],
-    /// None if all weigh 1.
+    /// `None` if all weights are 1.
     pub(in crate::construct) weights: Option<&'a [u16; BLOCK]>,
     /// Number of primitives; the rest is padding.
     pub(in crate::construct) len: usize,

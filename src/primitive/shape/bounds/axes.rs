@@ -1,18 +1,19 @@
-//! The depth of two polytopes: each face of their difference is perpendicular to a face of one or to an edge of both.
+//! The depth of two polytopes. Each face of their Minkowski difference is parallel to a face of one polytope, or to an
+//! edge of each.
 
 use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-/// Edges with a smaller sine count as parallel.
+/// Edges at an angle with a smaller sine count as parallel.
 const PARALLEL: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// The edges of a polytope that are not parallel, and its faces as pairs of edges.
+/// The edges of a polytope, one of each set of parallel ones, and its faces as pairs of edges.
 struct Edges {
     list: [Point; 3],
     len: usize,
     faces: &'static [[usize; 2]],
-    /// It equals its reflection at the centre.
+    /// Whether the polytope is symmetric about its centre.
     is_symmetric: bool,
 }
 
@@ -37,11 +38,12 @@ fn edges(form: &Form) -> Option<Edges> {
 /// a core is round.
 ///
 /// **The lower bound.** The depth is the least height h(n) of A - B over its faces' unit normals n. A computed normal
-/// is wrong by at most 2e / s, where s is the sine of the two edges and e = 16u bounds the relative errors of the
-/// edges and the cross product; h changes by at most the size S times that. Edges e and e' whose sine t is below 2^-48
-/// are made parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal
-/// that they span vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no
-/// bound; if A - B is flat without them, one of the others is perpendicular to it and bounds the depth by 0.
+/// is wrong by at most 2e / s, where s is the sine of the angle between the two edges and e = 16u bounds the relative
+/// errors of the edges and the cross product; h changes by at most the size S times that. Two edges at an angle with a
+/// sine t below 2^-48 are made parallel. That moves no point of B by more than S t, changes the depth by at most as
+/// much, and makes the normal that they span vanish; other normals of the moved edge are wrong by 2t / s more. If all
+/// normals vanish, there is no bound. If A - B becomes flat, one of the remaining normals is perpendicular to it and
+/// bounds the depth by 0.
 pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
     let (a, b) = (edges(&pair.a.form)?, edges(&pair.b.form)?);
     let is_symmetric = a.is_symmetric && b.is_symmetric;
@@ -56,7 +58,7 @@ pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
         let square = dot(&normal, &normal);
         let product = libm::sqrt(dot(&e, &e)) * libm::sqrt(dot(&f, &f));
         let length = libm::sqrt(square);
-        // An edge without length is none.
+        // Skip edges of length zero.
         if product == 0.0 {
             continue;
         }
@@ -87,7 +89,7 @@ pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
         f64::NEG_INFINITY
     };
     if upper == f64::INFINITY {
-        // All edges are parallel: any direction perpendicular to them separates the two at once.
+        // All edges are parallel: along any perpendicular direction, A - B has no width.
         let edge = if dot(&a.list[0], &a.list[0]) > 0.0 { a.list[0] } else { b.list[0] };
         along = perpendicular(&edge);
         let (point, _) = pair.support(&along);
@@ -96,7 +98,7 @@ pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
     Some((lower, upper + pair.slack, along))
 }
 
-/// Any vector perpendicular to one.
+/// A vector perpendicular to the given one.
 fn perpendicular([x, y, z]: &Point) -> Point {
     if x.abs() < z.abs() {
         [0.0, *z, -*y]

@@ -1,8 +1,8 @@
-//! What is certain of two shapes.
+//! Certified bounds for two shapes.
 
 use crate::range::Point;
 
-/// Bounds of the distance of two shapes.
+/// Bounds of the distance between two shapes.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct Certified {
     /// Above 0 only if the two are certainly apart.

@@ -1,9 +1,9 @@
 //! Bounds of the distance where a formula or a few cheap steps give the closest points: a point against any bounded
 //! core, and segments and cuboids against each other.
 //!
-//! As in [`super::search`], only evaluations have to be certain. In what follows u = 2^-53, and S is at least the
-//! distance of the two centres and the greatest distances of points of the cores from them together. Factors 1 + 2^-40
-//! for terms of second order are implied. A `slack` bounds all errors of a length.
+//! As in [`super::search`], only evaluations need error bounds. Below, u = 2^-53, and S is at least the sum of three
+//! distances: between the two centres, and for each core from its centre to its farthest point. Factors 1 + 2^-40 for
+//! terms of second order are implied. A `slack` bounds all errors of a length.
 
 use super::certified::Certified;
 use super::goal::{COMFORTABLE, Target};
@@ -23,8 +23,8 @@ mod widest;
 use blocks::blocks;
 use products::Zonotope;
 
-/// Bounds of the distance of two shapes as [`super::search::bounds`] gives them, or `None` if they would not be as
-/// tight.
+/// Bounds of the distance between two shapes as [`super::search::bounds`] gives them, or `None` if they would not be
+/// as tight.
 #[inline(always)]
 pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option<Certified> {
     let goal = || Target::new(a.radius, b.radius, limit, tolerance);
@@ -89,27 +89,27 @@ fn points(p: &Point, q: &Point, goal: &Target) -> Certified {
 /// A point and a segment.
 ///
 /// The differences are exact up to u of each coordinate: 2u S. The parameter is wrong by 8u of `|w| / |edge|`, which
-/// moves the point of the segment by 8u S; its other errors, those of the difference and of the norm, are at most
-/// 3 + 1 + 3 roundings of S. So 21u S bound all. A parameter that is off makes the computed length greater, not less,
-/// but for those errors.
+/// moves the point of the segment by 8u S. The other errors are at most 3 + 1 + 3 roundings of S, of the point, the
+/// difference and the norm. So 21u S bound all. Apart from these errors, a wrong parameter can only increase the
+/// computed length.
 #[inline(always)]
 fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Target) -> Option<Certified> {
     let (w, edge) = (difference(p, q), difference(r, q));
     let (along, square, far) = (dot(&w, &edge), dot(&edge, &edge), dot(&w, &w));
-    // Not a number for a segment that is a point.
+    // NaN if the segment is a point.
     let t = along / square;
     let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
     let between: Point = each(|k| w[k] - t * edge[k]);
     let length = libm::sqrt(dot(&between, &between));
-    // The root of twice the sum of two squares is at least the sum.
+    // `sqrt(2 (x^2 + y^2))` is at least `x + y`.
     let slack = 12.0 * f64::EPSILON * libm::sqrt(2.0 * (far + square));
     goal.bounds_of_length(p, &between, length, slack)
 }
 
 /// A point and a triangle: the foot of the perpendicular, or the closest of three points of the edges.
 ///
-/// Differences are wrong by u of each coordinate. The parameters are exactly those of a point of the triangle but for
-/// 4u of their sum. With the roundings of the products, of the difference and of the norm, an upper bound is wrong by
+/// Differences are wrong by u of each coordinate. Up to 4u of their sum, the parameters are exactly those of a point
+/// of the triangle. With the roundings of the products, of the difference and of the norm, an upper bound is wrong by
 /// less than 17u S. A gap has three products with a vector d, each wrong by 4u, a difference and a quotient: less than
 /// 27u S. S is at most the root of three times the sum of the squares of its parts.
 #[inline(never)]
@@ -128,7 +128,7 @@ fn point_and_triangle(p: &Point, [q, r, s]: &[Point; 3], goal: &Target) -> Optio
     let between = if x >= 0.0 && y >= 0.0 && x + y <= all && all > 0.0 {
         from(x / all, y / all)
     } else {
-        // Not a number for an edge that is a point.
+        // NaN if the edge is a point.
         let share = |t: f64| if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
         let z = share(((hw - gw) + (gg - gh)) / ((gg - gh) + (hh - gh)));
         let mut least = from(share(gw / gg), 0.0);
@@ -159,8 +159,8 @@ fn point_and_triangle(p: &Point, [q, r, s]: &[Point; 3], goal: &Target) -> Optio
 /// A point and a cylinder: both distances, along the axis and from it, are known.
 ///
 /// The vector to the point and `along` times the axis are wrong by 8u S, the vector across by 11u S and its norm by
-/// 14u S. The distance depends on the two excesses by at most their errors, 18u S together. Its vector and norm add
-/// 9u S.
+/// 14u S. The distance changes by at most the errors of the two excesses, 18u S together. Its vector and norm add 9u
+/// S.
 #[inline(always)]
 fn point_and_cylinder(
     p: &Point,
@@ -192,12 +192,12 @@ fn point_and_cylinder(
     goal.bounds_of_length(p, &between, length, slack)
 }
 
-/// The slack of a point and a cylinder, relative to S; of a point and a cone it is twice that.
+/// The slack for a point and a cylinder, relative to S; twice as much for a cone.
 const ROUND_SLACK: f64 = 16.0 * f64::EPSILON;
 
-/// A point and a cone, in the half plane through its axis and the point. The distance depends on the two coordinates
-/// there by at most their errors, 18u S as for a cylinder, and on the height by its error, 3u S. The parameter of the
-/// closest point of the side is wrong by 10u of S and the length of the side; differences and norms add 9u S.
+/// A point and a cone, in the half plane through its axis and the point. The distance changes by at most the errors of
+/// the two coordinates there, 18u S as for a cylinder, and of the height, 3u S. The parameter of the closest point of
+/// the side is wrong by 10u of S plus the length of the side; differences and norms add 9u S.
 #[inline(always)]
 fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Target) -> Option<Certified> {
     let w = difference(p, base);
@@ -230,7 +230,7 @@ fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Tar
     goal.bounds_of_length(p, &between, length, slack)
 }
 
-// Separate functions: the others do without their stack frames.
+// Separate functions, so that the others do not need their stack frames.
 
 #[inline(never)]
 fn cuboids(c: &Point, g: &[Point; 3], centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {

@@ -2,7 +2,7 @@
 //!
 //! The depth is the distance of the origin from the boundary of A - B. The projection on any direction bounds it from
 //! above: a translation by the overlap separates the two. For polytopes the boundary's faces are perpendicular to
-//! finitely many axes ([`super::axes`]); for round shapes a polytope inside of A - B bounds it from below
+//! finitely many axes ([`super::axes`]); for round shapes a polytope inside A - B bounds it from below
 //! ([`super::polytope`]).
 
 use super::certified::Depth;
@@ -16,7 +16,7 @@ use crate::vector::dot;
 #[cfg(test)]
 mod tests;
 
-/// Of the polytope that grows towards the boundary.
+/// Maximum number of corners of the polytope that grows towards the boundary.
 const CORNERS: usize = 64;
 const FACES: usize = 128;
 
@@ -52,7 +52,7 @@ fn of_pair(pair: &Operands, radii: [f64; 2], tolerance: f64) -> Depth {
     let mut search = DistanceSearch::new(pair, [0.0; 2], more, 0.0);
     let (wide, narrow) = (1.0 + 2.0 * f64::EPSILON, 1.0 - 2.0 * f64::EPSILON);
     search.approach();
-    // Of the cores: negative if they are apart.
+    // Bounds for the cores, negative if they are apart.
     let (mut lower, mut upper, mut along) = (-search.upper, -search.lower, search.along);
     if search.lower <= 0.0 {
         if let Some((below, above, axis)) = axes::depth(pair) {

@@ -11,7 +11,7 @@ use crate::vector::{cross, difference, dot};
 pub(super) struct Simplex {
     /// The points.
     pub(super) points: [Point; 4],
-    /// The points of A that they are made of, from its centre.
+    /// The points of A in these differences, relative to its centre.
     of_a: [Point; 4],
     pub(super) len: usize,
 }
@@ -23,9 +23,9 @@ pub(super) struct NearestOfSimplex {
     pub(super) point: Point,
     /// The point of A.
     pub(super) of_a: Point,
-    /// Perpendicular to the face that has it, and away from the origin.
+    /// Perpendicular to the face that contains the point, and away from the origin.
     pub(super) direction: Point,
-    /// The simplex has the origin inside.
+    /// Whether the simplex contains the origin.
     pub(super) inside: bool,
 }
 
@@ -40,7 +40,7 @@ impl Simplex {
         self.points[..self.len].contains(point)
     }
 
-    /// Adds a point to at most three.
+    /// Adds a point. The simplex must have at most three.
     #[inline(always)]
     pub(super) fn add(&mut self, point: Point, of_a: Point) {
         self.points[self.len] = point;
@@ -48,7 +48,7 @@ impl Simplex {
         self.len += 1;
     }
 
-    /// The point nearest to the origin. Keeps the points of the face that has it.
+    /// The point nearest to the origin. Keeps only the corners of the face that contains it.
     #[inline(always)]
     pub(super) fn reduce(&mut self) -> NearestOfSimplex {
         let p = &self.points;
@@ -101,14 +101,14 @@ impl Simplex {
         NearestOfSimplex { point, of_a: on_a, direction: point, inside: true }
     }
 
-    /// Whether the tetrahedron still has the origin inside when each of its corners is moved by at most `slack`.
+    /// Whether the tetrahedron still contains the origin if each of its corners moves by at most `slack`.
     ///
     /// If it contains a ball of that radius about the origin, then for every unit d some corner has `d . p >= slack`
-    /// before and `d . p >= 0` after the motion; so no plane through the origin has all corners on one open side.
+    /// before and `d . p >= 0` after the motion; so no plane through the origin has all corners strictly on one side.
     ///
     /// A product `p . (q x r)` is the sum of six products, each with an error of at most 5u of itself: with L the
-    /// largest length, below 16u L^3 in all. Corners as computed are within the size S of a pair, and so 2^-49 S L^2
-    /// is more.
+    /// largest length, below 16u L^3 in all. Computed corners are at most as long as the size S of the pair, so 2^-49
+    /// S L^2 is more.
     #[cold]
     pub(super) fn surely_contains_origin(&self, slack: f64, size: f64) -> bool {
         if self.len < 4 {
@@ -148,7 +148,8 @@ fn on_edge(p: &[Point; 4], i: usize, j: usize) -> SimplexPoint {
     if along > 0.0 && along < square {
         let t = along / square;
         let v: Point = each(|k| p[i][k] + t * edge[k]);
-        // Rounding leaves a part along the edge, which a lower bound would pay for with the edge's length.
+        // Remove the component along the edge that rounding leaves: a lower bound would lose that times the edge's
+        // length.
         let rest = dot(&v, &edge) / square;
         let direction = each(|k| v[k] - rest * edge[k]);
         SimplexPoint { kept: [i, j, 0], weights: [1.0 - t, t, 0.0], len: 2, direction, square: dot(&v, &v) }
@@ -187,7 +188,7 @@ fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> SimplexPoint {
             square,
         };
     }
-    // An edge that separates the origin's projection from the triangle has the nearest point.
+    // The nearest point is on an edge that separates the origin's projection from the triangle.
     let mut best: Option<SimplexPoint> = None;
     for (coordinate, from, to) in [(x, j, k), (y, k, i), (z, i, j)] {
         if coordinate <= 0.0 || coordinate.is_nan() {

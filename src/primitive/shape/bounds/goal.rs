@@ -1,4 +1,4 @@
-//! What bounds have to attain.
+//! The required accuracy of bounds.
 
 use super::certified::Certified;
 use super::support::each;
@@ -6,16 +6,16 @@ use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::difference;
 
-/// Squared sizes between which no product of four lengths overflows, nor underflows by more than a slack.
+/// The range of squared sizes in which no product of four lengths overflows, or underflows by more than a slack.
 pub(super) const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-200)..=power_of_two(200);
 
-/// What bounds have to attain.
+/// The required accuracy of bounds.
 pub(super) struct Target {
     pub(super) radii: [f64; 2],
     /// The sum of the radii, rounded down and up.
     pub(super) less: f64,
     pub(super) more: f64,
-    /// Cores farther apart are of no interest.
+    /// A search ends once the cores are certainly farther apart.
     pub(super) limit: f64,
     pub(super) tolerance: f64,
 }
@@ -29,7 +29,7 @@ impl Target {
         Self { radii: [a, b], less, more, limit, tolerance }
     }
 
-    /// Whether bounds of the distance of the cores suffice.
+    /// Whether bounds of the distance between the cores suffice.
     #[inline(always)]
     pub(super) fn is_met(&self, lower: f64, upper: f64, slack: f64) -> bool {
         let width = upper - lower;
@@ -39,8 +39,8 @@ impl Target {
             || upper <= self.less
     }
 
-    /// The bounds of the shapes from those of the cores, A's closest point, and the vector from B's to it, which has
-    /// this length.
+    /// Converts bounds for the cores to bounds for the shapes. `a` is A's closest point, and `between` the vector from
+    /// B's closest point to it, of this length.
     #[inline(always)]
     pub(super) fn bounds(
         &self,
@@ -55,7 +55,7 @@ impl Target {
         let upper = if meets { 0.0 } else { (upper - self.less) * wide };
         let lower = lower - self.more;
         let lower = if lower > 0.0 { lower * narrow } else { 0.0 };
-        // Shapes that meet have the point in common that divides the vector by their radii.
+        // Shapes that meet share the point that divides the vector in the ratio of their radii.
         let whole = if meets { self.radii[0] + self.radii[1] } else { length };
         let unit = if whole > 0.0 { 1.0 / whole } else { 0.0 };
         let (s, t) = (self.radii[0] * unit, self.radii[1] * unit);
@@ -73,7 +73,7 @@ impl Target {
         slack: f64,
     ) -> Option<Certified> {
         let (lower, upper) = (length - slack, length + slack);
-        // Of cores that touch, up to the slack, only a search tells whether they do.
+        // If cores touch up to the slack, only a search can tell whether they meet.
         (lower > 0.0 || upper <= self.less).then(|| self.bounds(lower, upper, a, between, length))
     }
 }

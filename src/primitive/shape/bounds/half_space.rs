@@ -7,19 +7,20 @@ use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::dot;
 
-/// How far a core is above the plane of a half-space, or the plane of an opposite one; negative below it.
+/// The height of a core, or of the plane of an opposite half-space, above the plane of a half-space; negative below
+/// it.
 struct Height {
     /// Certain bounds.
     lower: f64,
     upper: f64,
-    /// Of unit length, out of the half-space.
+    /// The unit vector out of the half-space.
     up: Point,
-    /// The lowest point of the core, and the one below it on the plane.
+    /// The lowest point of the core, and its projection to the plane.
     lowest: Point,
     on_plane: Point,
 }
 
-/// Two half-spaces at most, in order.
+/// Which of two shapes is the half-space; for two half-spaces, whether they are opposite.
 enum Case {
     /// The first shape is the half-space.
     First(Height),
@@ -90,7 +91,7 @@ fn above(normal: &Point, offset: f64, core: &Core) -> Height {
     let (height, error, lowest) = body.above(normal, offset);
     let lowest = body.placed(&lowest);
     let on_plane = [0, 1, 2].map(|k| lowest[k] - height / length * up[k]);
-    // The length and the quotient have a relative error of 2^-51 together, which the error has room for.
+    // Together, the length and the quotient have a relative error of 2^-51, which `error` includes.
     Height { lower: (height - error) / length, upper: (height + error) / length, up, lowest, on_plane }
 }
 

@@ -1,11 +1,10 @@
-//! Hulls of points in pairs with each other and with shapes: certain bounds of their distance and depth.
+//! Certain bounds of the distance and depth of hulls of points, in pairs with each other and with shapes.
 //!
-//! As for two shapes, an algorithm only proposes points and directions, and their evaluation is certain. The algorithm
-//! of Gilbert, Johnson and Keerthi proposes those of a distance, a growing polytope ([`super::polytope`]) those of a
-//! depth.
+//! As for two shapes, algorithms only propose points and directions, and their evaluation is certain: the algorithm of
+//! Gilbert, Johnson and Keerthi for distances, a growing polytope ([`super::polytope`]) for depths.
 //!
 //! **Rounding.** With S the size of a pair, the sum of all magnitudes that a coordinate is computed from, and u =
-//! 2^-53: a moved point is off by at most 4u S, and the turned direction by which it is chosen by at most 4u |d|. Its
+//! 2^-53: a moved point is off by at most 4u S, and the rotated direction by which it is chosen by at most 4u |d|. Its
 //! product with d is then at most 16u |d| S below the largest one. Points of shapes are those of [`super::support`],
 //! whose 38u S and 19u S hold for this larger size, and their sum with the origin adds 3u S. [`ROUNDINGS`] covers the
 //! sum of both bodies' errors, the difference, the product with d and its quotient.
@@ -24,17 +23,17 @@ use crate::vector::{cross, difference, dot, length};
 #[cfg(test)]
 mod tests;
 
-/// Of the slack, in units of the size.
+/// The slack, in units of u times the size.
 const ROUNDINGS: f64 = 128.0;
-/// The most steps towards the closest points.
+/// Maximum number of steps towards the closest points.
 const STEPS: usize = 128;
-/// Of the polytope that grows towards the boundary.
+/// Maximum number of corners of the polytope that grows towards the boundary.
 const CORNERS: usize = 256;
 const FACES: usize = 512;
-/// Directions from which a tetrahedron about the origin is looked for.
+/// Initial directions of the search for a tetrahedron around the origin.
 const STARTS: [Point; 5] =
     [[0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47], [0.1, 0.2, -0.97]];
-/// How far directions are turned, relatively.
+/// Relative perturbation of directions.
 const ASIDE: f64 = power_of_two(-20);
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
 
@@ -90,19 +89,20 @@ struct Hulls<'p> {
     slack: f64,
 }
 
-/// Bounds of the distance of two bodies without their radii, or of the depth, which is negative then.
+/// Bounds of the distance between two bodies without their radii or, if they overlap, of minus their depth.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::primitive::shape) struct CoreBounds {
     pub(in crate::primitive::shape) lower: f64,
     pub(in crate::primitive::shape) upper: f64,
-    /// Of unit length: the direction in which A leaves B.
+    /// The unit vector along which A leaves B.
     pub(in crate::primitive::shape) normal: Point,
-    /// The closest points, or those that touch last when A leaves B along the normal, before that.
+    /// The closest points or, if the bodies overlap, those that touch last when A leaves B along the normal; both as
+    /// placed before that motion.
     pub(in crate::primitive::shape) a: Point,
     pub(in crate::primitive::shape) b: Point,
 }
 
-/// Where a search for the closest points has ended.
+/// The result of a search for the closest points.
 struct Approach {
     lower: f64,
     upper: f64,
@@ -149,7 +149,7 @@ impl<'p> Hulls<'p> {
         Some(Self { a, b, shift: [0.0; 3], scale, size, slack })
     }
 
-    /// The point of A - B farthest against d, and that of A.
+    /// The point of A - B farthest along -d, and its point of A.
     fn points(&self, d: &Point) -> (Point, Point) {
         let a = self.a.support(&each(|k| -d[k]), self.scale);
         let a: Point = each(|k| a[k] + self.shift[k]);
@@ -213,12 +213,13 @@ impl<'p> Hulls<'p> {
         found
     }
 
-    /// Corners of A - B in pairs, of which each is farthest across those before. Of a difference that equals its reflection
-    /// at the origin, which no tetrahedron of corners may have inside, the octahedron of these is convex about it.
+    /// Three pairs of corners of A - B, each farthest along a direction across the pairs before. If A - B is symmetric
+    /// about the origin, perhaps no tetrahedron of its corners contains the origin, but this octahedron is convex and
+    /// does.
     fn octahedron(&self) -> [Point; 6] {
         let along = |d: &Point| self.support(&each(|k| -d[k]));
         let against = |d: &Point| self.support(d);
-        // Of several corners that are as far along a direction, the one opposite may not be the one found.
+        // Perturb the direction: among several corners equally far along it, the search might not find opposite ones.
         let aside = |d: &Point, by: &Point| {
             let much = ASIDE * length(d);
             each(|k| d[k] + much * by[k])
@@ -234,7 +235,7 @@ impl<'p> Hulls<'p> {
         [p, against(&first), q, against(&second), along(&third), against(&third)]
     }
 
-    /// What is certain of two bodies that are not certainly apart, and the direction out.
+    /// Bounds of the depth of two bodies that are not certainly apart. Stores the direction in `found`.
     fn depth(&self, found: &mut Approach, tolerance: f64) -> (f64, f64) {
         let lower = -found.upper;
         let grown = match &found.around {
@@ -245,7 +246,7 @@ impl<'p> Hulls<'p> {
             found.raise(self, &along);
             return (lower.max(below), above.min(-found.lower));
         }
-        // The difference is flat, or they hardly touch: it is left along a perpendicular of what was found of it.
+        // The difference is flat, or the bodies barely touch: try the perpendiculars of the corners found.
         let (points, len) = (found.simplex.points, found.simplex.len);
         for i in 0..len {
             for j in 0..i {
@@ -302,8 +303,8 @@ impl Approach {
     }
 }
 
-/// Bounds of two bodies without their radii, one of them points; neither is a half-space. `None` if the points are
-/// none.
+/// Bounds of two bodies without their radii, at least one of them a hull of points; neither is a half-space. `None` if
+/// a hull has no points.
 pub(in crate::primitive::shape) fn bounds(
     a: &ConvexBody<'_>,
     b: &ConvexBody<'_>,

@@ -1,7 +1,7 @@
-//! Certain bounds of the distance of two shapes, and of their depth, in `f64`.
+//! Certain bounds of the distance between two shapes, and of their depth, in `f64`.
 //!
-//! Newton's method and GJK propose points and directions, [`support`] evaluates them with an error bound, and only what
-//! is evaluated so is certain.
+//! Newton's method and GJK propose points and directions, and [`support`] evaluates them with an error bound. Only
+//! these evaluations have to be certain.
 
 mod axes;
 mod certified;

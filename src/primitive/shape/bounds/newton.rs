@@ -1,6 +1,6 @@
 //! Newton's method for the closest points of two cores, by their coordinates.
 //!
-//! The squared distance is minimised over the coordinates that the boundaries do not bar (projected Newton: Bertsekas
+//! The squared distance is minimised over the coordinates that the boundaries leave free (projected Newton: Bertsekas
 //! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free. Near the solution
 //! the distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on
 //! rims is quadratic too. Nothing here is certified.
@@ -10,22 +10,23 @@ use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, dot};
 
-/// The most steps.
+/// Maximum number of steps.
 pub(super) const STEPS: usize = 16;
 
 /// Alternating projections before the first step.
 const ROUNDS: usize = 1;
 
-/// Alternating projections instead of a step that does not come nearer.
+/// Alternating projections instead of a step that does not reduce the distance.
 const PROJECTIONS: usize = 4;
 
-/// A step of less, in units of half edges and radii, is the last: the next one would be below rounding.
+/// A step shorter than this, in units of half edges and radii, is the last: the next one would be below rounding.
 const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// The squared cosine of the ways and the vector between the points near the solution.
+/// Near the solution, the squared cosine of the angle between each way and the vector between the points is at most
+/// this.
 const NEAR: f64 = 1e-2;
 
-/// Two places.
+/// A place in each core.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Places {
     pub(super) a: CorePoint,
@@ -38,15 +39,16 @@ pub(super) struct Newton {
     places: Places,
     /// From the point of B to that of A.
     pub(super) between: Point,
-    /// A's point, from its centre.
+    /// A's point, relative to its centre.
     pub(super) of_a: Point,
-    /// The ways of both, those of B negated, after those of A.
+    /// The ways of A's place, then those of B's place, negated.
     ways: Ways,
     count: usize,
 }
 
 impl Places {
-    /// A's point nearest to B's centre, and B's nearest to it, and once more: a round costs a fourth of a step.
+    /// A's point nearest to B's centre, B's point nearest to that, and [`ROUNDS`] more such projections: a round costs
+    /// a fourth of a step.
     #[inline(always)]
     pub(super) fn guess(pair: &Operands) -> Self {
         let (form, other) = (&pair.a.form, &pair.b.form);
@@ -66,7 +68,7 @@ impl Places {
         Self { a, b }
     }
 
-    /// The places nearest to a point of A and one at `between` from it.
+    /// The places nearest to a point of A, and to the point of B from which `between` leads to it.
     #[inline(always)]
     pub(super) fn near(pair: &Operands, of_a: &Point, between: &Point) -> Self {
         let of_b: Point = each(|k| pair.between[k] + of_a[k] - between[k]);
@@ -100,8 +102,8 @@ impl Newton {
         }
     }
 
-    /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside
-    /// of its core that a ball about it has the other one.
+    /// A common point of the cores, relative to A's centre, if one of the two places is so far inside its core that a
+    /// ball about it contains the other place: then the cores certainly meet.
     pub(super) fn common(&self, pair: &Operands) -> Option<Point> {
         let v = &self.between;
         let apart = libm::sqrt(dot(v, v)) + pair.slack;
@@ -114,7 +116,7 @@ impl Newton {
         }
     }
 
-    /// Moves the places. False if that was the last step.
+    /// Moves the places. Returns false if that was the last step.
     #[inline(always)]
     pub(super) fn step(&mut self, pair: &Operands) -> bool {
         let (step, is_near) = solve(&self.ways, &self.between, true);
@@ -122,7 +124,7 @@ impl Newton {
         self.go(pair, &step) || is_near && self.go_far(pair) || self.project(pair)
     }
 
-    /// Alternating projections only come nearer, where a step that is cut at the boundaries may not.
+    /// Alternating projections never increase the distance; a step that is clamped at the boundaries may.
     #[cold]
     #[inline(never)]
     fn project(&mut self, pair: &Operands) -> bool {
@@ -152,7 +154,7 @@ impl Newton {
         self.go(pair, &step)
     }
 
-    /// False if the step is below rounding, or no share of it is a step downwards.
+    /// Returns false if the step is below rounding, or no fraction of it reduces the distance.
     #[inline(always)]
     fn go(&mut self, pair: &Operands, step: &[f64; 6]) -> bool {
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -180,7 +182,7 @@ impl Newton {
         false
     }
 
-    /// Whether the vector between the points is about perpendicular to all ways.
+    /// Whether the vector between the points is nearly perpendicular to all ways.
     #[inline(always)]
     pub(super) fn is_near(&self) -> bool {
         let square = dot(&self.between, &self.between);
@@ -188,8 +190,8 @@ impl Newton {
         ways.iter().all(|way| way.slope * way.slope <= NEAR * (dot(&way.tangent, &way.tangent) * square))
     }
 
-    /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between`
-    /// without its part along the one.
+    /// A vector near `between` that is perpendicular to the ways: the cross product of two of them, or `between`
+    /// without its component along the only one.
     #[inline(always)]
     pub(super) fn direction(&self) -> Point {
         let ways = &self.ways.list[..self.ways.len];
@@ -227,7 +229,7 @@ impl Newton {
     }
 }
 
-/// A vector without its part along another.
+/// A vector without its component along another.
 #[inline(always)]
 pub(super) fn without(v: &Point, way: &Point) -> Point {
     let square = dot(way, way);
@@ -235,8 +237,8 @@ pub(super) fn without(v: &Point, way: &Point) -> Point {
     each(|k| v[k] - rest * way[k])
 }
 
-/// Newton's step, and whether it is that of the distance, not of its square: the solution of H s = -g, without ways
-/// that depend on those before (`LDL^T`, skipping small pivots).
+/// Newton's step, the solution of H s = -g, and whether it is for the distance instead of its square. Omits ways that
+/// depend on earlier ones (`LDL^T`, skipping small pivots).
 #[inline(always)]
 fn solve(ways: &Ways, between: &Point, may_be_near: bool) -> ([f64; 6], bool) {
     let n = ways.len;

@@ -7,19 +7,19 @@ use crate::vector::{difference, dot};
 /// A point of a core.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct CorePoint {
-    /// Multiples of half edges or of the half axis in -1 ..= 1; of a triangle, barycentric coordinates.
+    /// Multiples of half edges or of the half axis in -1 ..= 1; for a triangle, barycentric coordinates.
     x: [f64; 3],
     /// A point of the unit disc. A cone's disc at height x of the half axis is (1 - x) / 2 as large as its base.
     disc: [f64; 2],
 }
 
-/// A direction in which a place may move.
+/// A direction in which a place can move without leaving its core.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Way {
     /// The derivative of the point.
     pub(super) tangent: Point,
-    /// The product of the pull with the tangent, with the second derivative, and with the one by this way and the way
-    /// before.
+    /// The dot products of the pull with the tangent, with the second derivative, and with the mixed derivative by
+    /// this way and the way before.
     pub(super) slope: f64,
     pub(super) bend: f64,
     pub(super) mixed: f64,
@@ -30,7 +30,7 @@ pub(super) struct Way {
 #[derive(Copy, Clone, Debug)]
 enum FreeCoordinate {
     Line(u8),
-    /// A triangle's corner instead of another.
+    /// Weight moves to a corner of a triangle from another corner.
     Corner(u8, u8),
     Disc(u8),
     /// The angle on the rim of a disc.
@@ -57,7 +57,8 @@ impl Ways {
         self.len += 1;
     }
 
-    /// Adds a way of a coordinate in -1 ..= 1 that is not barred.
+    /// Adds the way of a coordinate in -1 ..= 1, unless it is at its bound and pulled against it. Returns whether it
+    /// was added.
     #[inline(always)]
     fn add_line(&mut self, k: u8, x: f64, tangent: &Point, pull: &Point) -> bool {
         let slope = dot(tangent, pull);
@@ -77,7 +78,8 @@ impl Way {
 }
 
 impl Form {
-    /// The place nearest to a point, up to rounding; roughly for a cuboid whose edges are not quite perpendicular.
+    /// The place nearest to a point, up to rounding; only approximately for a cuboid whose edges are not quite
+    /// perpendicular.
     #[inline(always)]
     pub(super) fn nearest(&self, p: &Point) -> CorePoint {
         let (mut x, mut disc) = ([0.0; 3], [0.0; 2]);
@@ -120,7 +122,7 @@ impl Form {
         CorePoint { x, disc }
     }
 
-    /// The point at a place, from the centre.
+    /// The point at a place, relative to the centre.
     #[inline(always)]
     pub(super) fn at(&self, place: &CorePoint) -> Point {
         let (x, disc) = (&place.x, &place.disc);
@@ -138,9 +140,9 @@ impl Form {
         }
     }
 
-    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles
-    /// between the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are
-    /// long by a factor of 1 - 4e-4 at most.
+    /// The radius of a ball about a place that is certainly inside the core, up to the slack of a pair. The half edges
+    /// of a cuboid are perpendicular within 1e-4, so the distance of a face is at least 1 - 4e-4 times the length of
+    /// its half edge.
     pub(super) fn room(&self, place: &CorePoint) -> f64 {
         let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
         let across = |u: &Point| {
@@ -160,7 +162,7 @@ impl Form {
         }
     }
 
-    /// The radius of a ball about the centre inside of the core, as for [`Form::room`].
+    /// [`Form::room`] for the centre.
     #[inline(always)]
     pub(super) fn inner(&self) -> f64 {
         let length = |v: &Point| libm::sqrt(dot(v, v));
@@ -169,7 +171,7 @@ impl Form {
             Self::Cuboid([x, y, z]) => 0.999 * length(x).min(length(y)).min(length(z)),
             Self::Cylinder(half, [u, _]) => 0.999 * length(half).min(length(u)),
             Self::Cone(half, [u, _]) => {
-                // The side is as far away as the middle of the axis is high above the base of a similar triangle.
+                // By similar triangles, the distance of the side from the middle of the axis.
                 let (half, radius) = (length(half), length(u));
                 0.999 * half * (radius / libm::sqrt(4.0 * half * half + radius * radius)).min(1.0)
             }
@@ -193,7 +195,7 @@ impl Form {
         }
     }
 
-    /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
+    /// The ways of a place that is pulled along -`pull`: those that the boundary of the core does not block.
     #[inline(always)]
     pub(super) fn ways(&self, place: &CorePoint, pull: &Point, ways: &mut Ways) {
         let x = &place.x;
@@ -263,7 +265,7 @@ impl CorePoint {
 }
 
 impl CorePoint {
-    /// Back to the nearest point of the disc.
+    /// Projects to the nearest point of the disc.
     #[inline(always)]
     pub(super) fn settle(&mut self) {
         self.disc = in_disc(self.disc);

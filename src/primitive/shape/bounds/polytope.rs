@@ -1,13 +1,13 @@
-//! The depth of two convex sets: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! The depth of two convex sets: a polytope inside A - B grows towards the boundary at its nearest face (van den
 //! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
 //!
-//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
-//! goes around the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that
-//! their solid angles add up. Each step then adds the boundaries of tetrahedra between a face and the new corner, which
-//! lie in the open half-space beyond the origin that the face's normal spans. So the surface goes around the ball of
-//! radius d, and the convex hull of the corners, which is inside of A - B, contains that ball. Nothing depends on the
-//! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
-//! corners with any unit vector.
+//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces form a closed surface
+//! around the origin: at first a tetrahedron or octahedron, all of whose faces are counterclockwise as seen from
+//! outside, so that their solid angles add up. Each step then adds the boundaries of tetrahedra, each spanned by a
+//! face and the new corner. They lie in the half-space `n . x > 0` of the face's normal n, so the surface still winds
+//! around the origin. So it winds around the ball of radius d, and the convex hull of the corners, which is inside A -
+//! B, contains that ball. Nothing depends on the surface being convex, nor on normals being accurate: the distance of
+//! a face is at least the least product of its corners with any unit vector.
 
 use super::support::{Operands, each};
 use crate::range::Point;
@@ -15,10 +15,11 @@ use crate::vector::{cross, difference, dot};
 
 /// The difference A - B of two convex sets.
 pub(super) trait ConvexDifference {
-    /// The point of A - B that is farthest against d.
+    /// The point of A - B that is farthest along -d.
     fn support(&self, d: &Point) -> Point;
 
-    /// Bounds the error of such a point's product with d, relative to the length of d, and of the choice of the point.
+    /// Bounds the error of such a point's dot product with d, from computing and from choosing the point, relative to
+    /// the length of d.
     fn slack(&self) -> f64;
 }
 
@@ -75,7 +76,7 @@ pub(super) fn depth<const CORNERS: usize, const FACES: usize>(
     Some(polytope.depth(pair, tolerance))
 }
 
-/// As [`depth`], from the corners of an octahedron in A - B, opposite ones beside each other, of which the first, third
+/// As [`depth`], from the corners of an octahedron in A - B. Opposite corners follow each other, and the first, third
 /// and fifth are a right-handed frame. `None` if it does not contain the origin.
 #[cold]
 #[inline(never)]
@@ -88,8 +89,8 @@ pub(super) fn depth_of_octahedron<const CORNERS: usize, const FACES: usize>(
     (polytope.nearest().low > pair.slack()).then(|| polytope.depth(pair, tolerance))
 }
 
-/// As [`depth`], but from the tetrahedron. It is convex, as the octahedron of a difference with few corners need not
-/// be, and stays so while it grows.
+/// As [`depth`], from a tetrahedron only. It is convex and stays convex while it grows; the octahedron of a difference
+/// with few corners need not be.
 #[cold]
 #[inline(never)]
 pub(super) fn depth_around<const CORNERS: usize, const FACES: usize>(
@@ -174,7 +175,7 @@ impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
         self.face_count += 1;
     }
 
-    /// Replaces the faces below a new corner. False if nothing is, or if there is no room.
+    /// Replaces the faces below a new corner. Returns false if there are none, or if there is no room.
     fn grow(&mut self, corner: Point, slack: f64) -> bool {
         if self.corner_count == CORNERS {
             return false;
@@ -183,11 +184,11 @@ impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
         let (mut count, mut kept) = (0, 0);
         for i in 0..self.face_count {
             let face = self.faces[i];
-            // Corners in the plane of a face, as those of a cap are, leave it as it is.
+            // A corner in the plane of a face, as in the base of a cylinder, leaves the face unchanged.
             if dot(&face.normal, &corner) > face.high + 0.25 * slack {
                 for k in 0..3 {
                     let edge = [face.corners[k], face.corners[(k + 1) % 3]];
-                    // An edge between two faces below is passed in both directions.
+                    // An edge between two of these faces is listed in both directions.
                     if let Some(at) = edges[..count].iter().position(|e| *e == [edge[1], edge[0]]) {
                         count -= 1;
                         edges[at] = edges[count];

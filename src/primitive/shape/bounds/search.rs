@@ -1,4 +1,4 @@
-//! Certain bounds of the distance of two shapes, in `f64`.
+//! Certain bounds of the distance between two shapes, in `f64`.
 //!
 //! Any point of A and any point of B bound the distance from above, and any direction bounds it from below: by the gap
 //! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has
@@ -17,29 +17,29 @@ use crate::vector::{cross, dot};
 #[cfg(test)]
 pub(super) mod tests;
 
-/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than
-/// 30.
+/// Maximum number of steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need
+/// fewer than 30.
 const STEPS: usize = 64;
 
 /// How much cores are shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-8);
 
-/// The most steps to find one.
+/// Maximum number of steps of the search for a common point.
 const COMMON_STEPS: usize = 16;
 
-/// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
+/// Points with a smaller squared distance, in units of the squared size, may be a common interior point.
 const NEAR: f64 = power_of_two(-60);
 
-/// Added to the direction between the centres, in units of the size.
+/// Initial directions: the vector between the centres plus one of these, in units of the size.
 const STARTS: [Point; 5] =
     [[0.0; 3], [0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47]];
 
-/// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
+/// The range of sizes in which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
 
-/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
-/// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
-/// than 2^-44 of the size of the cores and the distance of their centres.
+/// Bounds of the distance between two shapes in one frame. Stops when the distance is certainly above `limit`, when
+/// the bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by
+/// less than 2^-44 of the size of the cores and the distance of their centres.
 pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certified {
     let radii = [a.radius, b.radius];
     let Some(pair) = Operands::of(&a.core, &b.core, 1.0) else {
@@ -75,21 +75,21 @@ pub(super) fn unit_scale(size: f64) -> f64 {
     power_of_two((1023 - (size.to_bits() >> 52) as i32).clamp(-1000, 1000))
 }
 
-/// The best bounds of the distance of two cores so far.
+/// The best bounds of the distance between two cores so far.
 pub(super) struct DistanceSearch<'p> {
     pair: &'p Operands,
     radii: [f64; 2],
     /// The sum of the radii, rounded down and up.
     radius: [f64; 2],
-    /// Cores farther apart are of no interest.
+    /// The search ends once the cores are certainly farther apart.
     limit: f64,
     tolerance: f64,
-    /// The largest gap found; negative if all directions have overlaps.
+    /// The largest gap found; negative if the cores overlap along all directions tried.
     pub(super) lower: f64,
     /// The direction of that gap.
     pub(super) along: Point,
     pub(super) upper: f64,
-    /// The vector from the point of B to that of A, and A's point from its centre.
+    /// The vector from the point of B to that of A, and A's point relative to its centre.
     between: Point,
     of_a: Point,
 }
@@ -127,14 +127,14 @@ impl<'p> DistanceSearch<'p> {
         }
     }
 
-    /// The bounds do not tell whether the cores meet, which decides for shapes without radii.
+    /// Whether the bounds do not tell if the cores meet, which matters for shapes without radii.
     #[inline(always)]
     fn may_meet(&self) -> bool {
         self.lower <= 0.0 && self.upper > self.radius[0]
     }
 
-    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may
-    /// give only some that have it on a face.
+    /// Looks for a tetrahedron in A - B that certainly contains the origin. From a single initial direction, symmetric
+    /// shapes may give only tetrahedra that have it on a face.
     #[cold]
     #[inline(never)]
     pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
@@ -171,7 +171,7 @@ impl<'p> DistanceSearch<'p> {
         None
     }
 
-    /// Proposes the closest points near these places.
+    /// Proposes closest points by Newton's method from these places. Returns whether the bounds suffice.
     #[inline(always)]
     fn newton(&mut self, places: Places) -> bool {
         let mut newton = Newton::new(self.pair, places);
@@ -205,8 +205,8 @@ impl<'p> DistanceSearch<'p> {
         self.is_done()
     }
 
-    /// Looks for a common point of the cores shrunk about their centres: about each point of a shrunk core is a ball
-    /// inside of the core, since `s K + (1 - s) K` is K for a convex K.
+    /// Looks for a common point of the cores shrunk about their centres: each point of a shrunk core is the centre of
+    /// a ball inside the core, since `s K + (1 - s) K` is K for a convex K.
     #[inline(never)]
     fn common(&mut self, from: &Point) -> bool {
         let pair = self.pair;
@@ -286,8 +286,8 @@ impl<'p> DistanceSearch<'p> {
         }
     }
 
-    /// Certified the distance from below along the perpendiculars of all edges and faces at these places: of points that
-    /// nearly touch, the difference does not tell which ways are barred.
+    /// Bounds the distance from below along the perpendiculars of all edges and faces at the points found: the
+    /// difference of points that nearly touch does not tell which ways are blocked.
     pub(super) fn edges(&mut self) {
         let places = Places::near(self.pair, &self.of_a, &self.between);
         let [p, q, r] = self.pair.a.form.edges(&places.a);
@@ -303,8 +303,8 @@ impl<'p> DistanceSearch<'p> {
         }
     }
 
-    /// Certified the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
-    /// has it.
+    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B at
+    /// which the gap ends, and its point of A.
     #[inline(always)]
     fn lower_along(&mut self, d: &Point) -> (Point, Point) {
         let (point, of_a) = self.pair.support(d);
@@ -318,7 +318,7 @@ impl<'p> DistanceSearch<'p> {
         (point, of_a)
     }
 
-    /// Certified the distance from above by a point of A - B.
+    /// Bounds the distance from above by a point of A - B.
     #[inline(always)]
     fn upper_by(&mut self, between: &Point, of_a: &Point) {
         let upper = libm::sqrt(dot(between, between)) + self.pair.slack;
@@ -336,7 +336,7 @@ impl<'p> DistanceSearch<'p> {
             || self.upper <= self.radius[0]
     }
 
-    /// The bounds of the distance of the shapes.
+    /// The bounds of the distance between the shapes.
     #[inline(always)]
     fn finish(&self) -> Certified {
         let (wide, narrow) = (1.0 + 2.0 * f64::EPSILON, 1.0 - 2.0 * f64::EPSILON);

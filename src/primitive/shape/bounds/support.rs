@@ -1,4 +1,4 @@
-//! Cores about their centres, and their support points.
+//! Cores relative to their centres, and their support points.
 //!
 //! [`ROUNDINGS`] has the error analysis that all bounds of [`super::bounds`] and [`super::depth`] rely on.
 
@@ -6,18 +6,18 @@ use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{difference, dot, length};
 
-/// A pair's `slack` is this many unit roundoffs of its `size` ([`Operands`]). With u = 2^-53, S the size, and a factor 1 +
-/// 2^-40 for terms of second order:
+/// A pair's `slack` is this many unit roundoffs of its `size` ([`Operands`]). With u = 2^-53, S the size, and a factor
+/// 1 + 2^-40 for terms of second order:
 ///
-/// * **Places.** `between` is `(origin - origin) + (shift - shift)`. A shift is within 2u S of what it stands for, so
-///   each of its coordinates has an error of at most 2u (|t| + S), the three together one of at most 6u S.
-/// * **Bodies.** Half edges and axes are given numbers, halved at most. A triangle's corners about its centroid have
-///   an error of at most 3u per coordinate, 6u S together. The vectors of a disc: an axis of unit length has an error
-///   of at most 4u, and the two vectors of its frame, linear in it but for products of numbers below 1, of at most
-///   12u; so a disc is within 16u S of the exact one.
+/// * **Places.** `between` is `(origin - origin) + (shift - shift)`. A shift is within 2u S of the exact one, so each
+///   of its coordinates has an error of at most 2u (|t| + S), and all three together of at most 6u S.
+/// * **Bodies.** Half edges and axes are given numbers or half of them. A triangle's corners relative to its centroid
+///   have an error of at most 3u per coordinate, 6u S together. For a disc, an axis of unit length has an error of at
+///   most 4u. The two vectors of its frame, linear in the axis except for products of numbers below 1, have an error
+///   of at most 12u. So a disc is within 16u S of the exact one.
 /// * **Points.** A computed support point is a sum of at most four such vectors with coefficients of at most 1, off by
-///   at most 4u: 6u S. Those of convex combinations of points are normalised to 2u. So a difference of computed points
-///   is within 6 + 16 + 12 + 4 = 38u S of one of the exact cores. This is what an upper bound needs.
+///   at most 4u: 6u S. The coefficients of convex combinations of points are normalised to 2u. So a difference of
+///   computed points is within 6 + 16 + 12 + 4 = 38u S of one of the exact cores. This is what an upper bound needs.
 /// * **Choices.** A support point is chosen by products with d, each wrong by at most 3u |d||x|: the product of the
 ///   chosen point is at most 12u |d| S below the largest one. (On a rim, an error e of the products with the two
 ///   vectors costs at most 2 e: the chosen unit vector c maximises `c . (g + e)`, and `c . g >= |g + e| - |e|`.)
@@ -28,7 +28,7 @@ use crate::vector::{difference, dot, length};
 /// itself.
 const ROUNDINGS: f64 = 64.0;
 
-/// A core about its centre, which is `origin + shift`.
+/// A core relative to its centre, which is `origin + shift`.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Operand {
     origin: Point,
@@ -38,7 +38,7 @@ pub(super) struct Operand {
     reach: f64,
 }
 
-/// What a core is about its centre.
+/// The kinds of cores, relative to the centre.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Form {
     Point,
@@ -63,7 +63,7 @@ pub(super) struct Operands {
     pub(super) between: Point,
     /// At least the length of `between` and the reaches together.
     pub(super) size: f64,
-    /// Certified the rounding errors of a distance ([`ROUNDINGS`]).
+    /// Bounds the rounding errors of a distance ([`ROUNDINGS`]).
     pub(super) slack: f64,
 }
 
@@ -88,7 +88,7 @@ impl Operand {
             Core::Cuboid { centre, half } => {
                 let half = [scaled(&half[0]), scaled(&half[1]), scaled(&half[2])];
                 let squares = (dot(&half[0], &half[0]) + dot(&half[1], &half[1])) + dot(&half[2], &half[2]);
-                // Pairs of half edges that are not quite perpendicular make the diagonal longer by less.
+                // The factor covers half edges that are not quite perpendicular, which make the diagonal longer.
                 let reach = 1.001 * libm::sqrt(squares);
                 Self { origin: scaled(centre), shift: [0.0; 3], form: Form::Cuboid(half), reach }
             }
@@ -107,8 +107,9 @@ impl Operand {
         Some(body)
     }
 
-    /// The least of `normal . p - offset`, an upper bound of its error, and the point, from the centre. The components
-    /// of the normal are at most 2, and the error is that of a pair whose size includes the distance of the plane.
+    /// The least of `normal . p - offset`, an upper bound of its error, and the point p, relative to the centre. The
+    /// components of the normal are at most 2, and the error is that of a pair whose size includes the distance of the
+    /// plane.
     pub(super) fn above(&self, normal: &Point, offset: f64) -> (f64, f64, Point) {
         let lowest = self.support(&each(|k| -normal[k]));
         let local: Point = each(|k| self.shift[k] + lowest[k]);
@@ -117,18 +118,18 @@ impl Operand {
         (height, ROUNDINGS * 0.5 * f64::EPSILON * size, lowest)
     }
 
-    /// No coordinate of a point, nor of what it is computed from, is larger.
+    /// Bounds the coordinates of all points, and the numbers that they are computed from.
     pub(super) fn extent(&self) -> f64 {
         length(&self.origin) + length(&self.shift) + self.reach
     }
 
-    /// A point given from the centre, in the frame of the shapes.
+    /// Converts a point relative to the centre to the frame of the shapes.
     #[inline(always)]
     pub(super) fn placed(&self, p: &Point) -> Point {
         each(|k| self.origin[k] + (self.shift[k] + p[k]))
     }
 
-    /// The point farthest along d, from the centre.
+    /// The point farthest along d, relative to the centre.
     #[inline(always)]
     pub(super) fn support(&self, d: &Point) -> Point {
         match &self.form {
@@ -180,7 +181,7 @@ impl Operands {
         Some(Self { a, b, between, size, slack: ROUNDINGS * 0.5 * f64::EPSILON * size })
     }
 
-    /// The point of A - B that is farthest against d, and that of A, from its centre.
+    /// The point of A - B that is farthest along -d, and its point of A, relative to A's centre.
     #[inline(always)]
     pub(super) fn support(&self, d: &Point) -> (Point, Point) {
         let a = self.a.support(&each(|k| -d[k]));
@@ -195,8 +196,8 @@ pub(super) fn each(f: impl Fn(usize) -> f64) -> Point {
     [f(0), f(1), f(2)]
 }
 
-/// The point of a disc's rim that is farthest along d, from the middle of the disc, and its product with d. The middle
-/// itself if d is perpendicular to the disc.
+/// The point of a disc's rim that is farthest along d, relative to the middle of the disc, and its dot product with d.
+/// The middle itself if d is perpendicular to the disc.
 #[inline(always)]
 fn on_rim([u, v]: &[Point; 2], d: &Point) -> (Point, f64) {
     let (x, y) = (dot(d, u), dot(d, v));
@@ -211,7 +212,8 @@ fn on_rim([u, v]: &[Point; 2], d: &Point) -> (Point, f64) {
 #[inline(always)]
 fn radii(axis: &Point, radius: f64) -> [Point; 2] {
     let length = length(axis);
-    // A rotation can flush an axis of less than twice the smallest coordinate to zero; z is as good as any then.
+    // A rotation can flush an axis of less than twice the smallest coordinate to zero; then any direction will do,
+    // such as z.
     let [x, y, z] = if length > 0.0 { each(|k| axis[k] / length) } else { [0.0, 0.0, 1.0] };
     let sign = 1.0_f64.copysign(z);
     let p = -1.0 / (sign + z);

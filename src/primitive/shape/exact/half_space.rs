@@ -63,8 +63,8 @@ impl HalfSpace {
             || self.is_within_of_point(&round.end(), reach)
     }
 
-    /// For a disc at height h, of a solid with axis a and radius r, the normal n and the reach R: whether
-    /// `h <= r |n x a| / |a| + R |n|`. The lowest point of the disc is `r |n x a| / |a|` below its middle.
+    /// Whether `h <= r |n x a| / |a| + R |n|`, for a disc at height h of a solid with axis a and radius r, the normal
+    /// n and the reach R. The lowest point of the disc is `r |n x a| / |a|` below its middle.
     #[inline(never)]
     fn is_within_of_disc(&self, middle: &[Degree1; 3], round: &Round, reach: &Degree1) -> bool {
         let height = self.height(middle);
@@ -83,8 +83,8 @@ impl HalfSpace {
         is_at_most_root::<60, 10, 120>(&h.minus(&u).minus(&v), &product, &one())
     }
 
-    /// Degree2 half-spaces have common points unless their normals are opposite. Then the gap between the planes is
-    /// `-(o / |n| + p / |m|)` for normals n and m and offsets o and p, where `|n| / |m|` is `-n.m / m^2`.
+    /// Two half-spaces have common points unless their normals are opposite. If they are, the gap between the planes
+    /// is `-(o / |n| + p / |m|)` for normals n and m and offsets o and p, where `|n| / |m|` is `-n.m / m^2`.
     #[inline(never)]
     fn is_within_of_half_space(&self, other: &Self, reach: &Degree1) -> bool {
         let along: Degree2 = dot(&self.normal, &other.normal);

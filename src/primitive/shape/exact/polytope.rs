@@ -17,7 +17,7 @@ pub(super) struct ExactPolytope {
 #[derive(Debug)]
 struct Features {
     corners: usize,
-    /// Corners of the edges. The first `directions` of them have all directions of edges.
+    /// Corners of the edges. Every edge is parallel to one of the first `directions` edges.
     edges: &'static [[usize; 2]],
     directions: usize,
     /// Corners of the faces, in order around them.
@@ -46,7 +46,7 @@ pub(super) struct ExactFace<'a> {
 }
 
 impl ExactPolytope {
-    /// Without corners for other cores.
+    /// Has no corners if the core is not a polytope.
     #[inline(never)]
     pub(super) fn new(core: &Core, unit: i32) -> Self {
         let number = |x: f64| Degree1::new(x, unit);
@@ -95,7 +95,7 @@ impl ExactPolytope {
         &self.corners[..self.features.corners]
     }
 
-    /// Degree1 end of each edge, and the vector to the other.
+    /// One end of each edge, and the vector to the other end.
     pub(super) fn edges(&self) -> impl Iterator<Item = (&[Degree1; 3], [Degree1; 3])> {
         let edge = |[i, j]: &[usize; 2]| {
             let from = &self.corners[*i];

@@ -83,11 +83,11 @@ fn projection<const L: usize>(axis: &[Wide<L>; 3], p: &ExactPolytope) -> [Degree
 /// Whether two polytopes without a common point are at most `reach` apart.
 ///
 /// Each candidate is the distance of a point of one from a point of the other, and the least distance is among them:
-/// The nearest points are in corners, inside of edges or inside of faces, since the polytopes or their surfaces are
-/// unions of these. Of all pairs of nearest points, take one whose two features have the least sum of dimensions. The
+/// The nearest points are in corners, inside edges or inside faces, since the polytopes or their surfaces are unions
+/// of these. Of all pairs of nearest points, take one whose two features have the least sum of dimensions. The
 /// features have no common direction, along which both points could be moved to the border of one. Both features are
-/// perpendicular to the line between the points. So they are two corners, a corner and an edge, a corner and a face, or
-/// two edges that are not parallel, and the points are the feet of their common perpendicular.
+/// perpendicular to the line between the points. So they are two corners, a corner and an edge, a corner and a face,
+/// or two edges that are not parallel, and the points are the feet of their common perpendicular.
 #[inline(never)]
 pub(super) fn is_near(a: &ExactPolytope, b: &ExactPolytope, reach: &Degree1) -> bool {
     let square: Degree2 = reach.times(reach);

@@ -21,7 +21,7 @@ pub(super) struct Round {
 }
 
 impl Round {
-    /// `None` for other cores, and without an axis.
+    /// `None` for other cores, and if the axis is zero.
     #[inline(never)]
     pub(super) fn new(core: &Core, unit: i32) -> Option<Self> {
         let vector = |v: &[f64; 3]| v.map(|x| Degree1::new(x, unit));

@@ -10,7 +10,7 @@ use super::round::Round;
 
 /// Whether the two have a common point, for a polytope that is not a point.
 ///
-/// If they have one, then an edge or a face meets the round solid, or the solid, and so its base, is inside of a cuboid
+/// If they have one, then an edge or a face meets the round solid, or the solid, and so its base, is inside a cuboid
 /// with a volume.
 #[inline(never)]
 pub(super) fn meet(round: &Round, polytope: &ExactPolytope) -> bool {

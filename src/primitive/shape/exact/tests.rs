@@ -2,6 +2,7 @@
 //! ([`nearest`]), projections of what is between the planes of a round solid's ends ([`sections`]), and distances with
 //! several hundred digits ([`digits`]).
 
+mod aligned;
 mod digits;
 mod far;
 mod nearest;

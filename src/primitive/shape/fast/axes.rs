@@ -1,4 +1,4 @@
-//! A cuboid and another or a triangle, by separating axes.
+//! A cuboid against a cuboid or a triangle, by separating axes.
 //!
 //! In the coordinates along the half edges of A, which is then the cube of all points with coordinates in -1 ..= 1, B
 //! is a parallelepiped with the centre t and the half edges r. Axes are linear forms: nothing needs right angles. The
@@ -10,18 +10,18 @@
 //! 2^-40 q^3, by the degree of the axis, separates.
 //!
 //! **Nearly parallel edges** have an axis along which gap and overlap are both about zero. If two coordinates of a
-//! column are at most `PARALLEL`, that axis is left out: B with these coordinates set to zero has it no more, and its
-//! support function differs by at most 3 `PARALLEL` times the sum of the magnitudes of a form, for all three columns
-//! together. The greatest such sum of an axis is 1, 2 q or 6 q^2, and the coefficients of the other axes change by
-//! `PARALLEL`, 4 q `PARALLEL` and so on. Overlaps of more than 2^-26 q, 2^-25 q^2 and 2^-22 q^3 exceed all of this, so
-//! that the difference of A and B contains the origin.
+//! column are at most `PARALLEL`, that axis is left out. Setting these coordinates of B to zero removes the axis, and
+//! changes the support function of B by at most 3 `PARALLEL` times the sum of the magnitudes of a form, for all three
+//! columns together. The greatest such sum of an axis is 1, 2 q or 6 q^2, and the coefficients of the other axes
+//! change by `PARALLEL`, 4 q `PARALLEL` and so on. Overlaps of more than 2^-26 q, 2^-25 q^2 and 2^-22 q^3 exceed all
+//! of this, so that the difference of A and B contains the origin.
 //!
-//! **A triangle** as B has a corner t and two edges from it, whose coordinates err by less than 2^-48 q. The 13 axes are
-//! the coordinates, the cross product of two edges, and those of a coordinate axis and an edge. Let w >= 1 bound the
-//! magnitudes of the coordinates of all corners and edges. Then the forms of edges err by less than 2^-43 q w, and that
-//! of the cross product by less than 2^-42 q w^2. An edge that is nearly parallel to a coordinate axis becomes parallel
-//! if one of its corners is moved by at most `PARALLEL` in each coordinate. If the cross product shows an overlap, at
-//! most two edges are nearly parallel: another corner is moved for each. That changes the gaps by less than
+//! **A triangle** as B has a corner t and two edges from it, whose coordinates err by less than 2^-48 q. The 13 axes
+//! are the coordinates, the cross product of two edges, and those of a coordinate axis and an edge. Let w >= 1 bound
+//! the magnitudes of the coordinates of all corners and edges. Then the forms of edges err by less than 2^-43 q w, and
+//! that of the cross product by less than 2^-42 q w^2. An edge that is nearly parallel to a coordinate axis becomes
+//! parallel if one of its corners is moved by at most `PARALLEL` in each coordinate. If the cross product shows an
+//! overlap, at most two edges are nearly parallel: another corner is moved for each. That changes the gaps by less than
 //! `PARALLEL`, 2^4 `PARALLEL` w and 2^6 `PARALLEL` w^2.
 
 use super::bodies::plus;
@@ -96,8 +96,8 @@ pub(super) fn meet(a: &[Point; 3], d: &Point, b: &[Point; 3], q: f64) -> Option<
     overlaps.then_some(true)
 }
 
-/// Whether the parallelepiped about the origin with the half edges `a` meets the triangle with a corner at `d` and these
-/// edges from it.
+/// Whether the parallelepiped about the origin with the half edges `a` meets the triangle with a corner at `d` and
+/// these edges from it.
 #[inline]
 #[expect(clippy::needless_range_loop, reason = "several arrays share the index")]
 pub(super) fn meets_triangle(a: &[Point; 3], d: &Point, edges: &[Point; 2], q: f64) -> Option<bool> {

@@ -1,14 +1,17 @@
 //! Cores with a nearest point and a support function.
 //!
 //! **Error of a nearest point.** Let the point given be within 33 `size` of the reference point. Segments and cuboids:
-//! the coordinates along the edges are clamped, so exactly those of a point of the core; to compute the point from them
-//! takes at most 4 roundings for each term, which is 8 u `size` with the rounding of the reference point. Triangles:
-//! likewise, and the coordinates may add up to 1 + 4 u, which is another 4 u `size`. Cylinders:
-//! the part of the given point across the axis has an error of at most 12 roundings of 34 `size`, so the point returned
-//! is within 2^9 u `size` of the cylinder. For the difference of two such points that makes at most 2^-43 `size`.
+//! the coordinates along the edges are clamped, so they are exactly those of a point of the core. Computing the point
+//! takes at most 4 roundings per term, which is 8 u `size` with the rounding of the reference point. Triangles:
+//! likewise, and the coordinates may add up to 1 + 4 u, which is another 4 u `size`. Cylinders: the part of the given
+//! point across the axis has an error of at most 12 roundings of 34 `size`, so the point returned is within 2^9 u
+//! `size` of the cylinder. Cones: let the point given be within 2 `size`. Its part across the axis and its height have
+//! errors of at most 40 u `size`, so a point that is not moved is that near to the cone. A point that is moved lies on
+//! the base or the side, up to the same error in its height and its distance from the axis. So the difference of two
+//! such points has an error of at most 2^-43 `size`.
 //!
 //! **Error of the support function** along n: dot products of three terms and sums of four, so at most 16 u |n| `size`;
-//! for a cylinder also a relative error of 8 u of the part across the axis, which is computed as a cross product: its
+//! for a disc also a relative error of 8 u of the part across the axis, which is computed as a cross product: its
 //! error is 4 u |n| |axis| before the division by |axis|.
 
 use crate::exact::power_of_two;
@@ -160,7 +163,8 @@ impl Supported for TriangleCore {
         0.0
     }
 
-    // Of a point beyond an edge, the nearest one of that edge: near an obtuse corner another edge may be nearer.
+    // For a point beyond an edge, the nearest point of that edge, though near an obtuse corner another edge may be
+    // nearer.
     #[inline(always)]
     fn nearest_of(&self, p: &Point, _: f64) -> Point {
         let [g, h] = &self.edges;
@@ -202,7 +206,7 @@ impl Supported for TriangleCore {
 pub(super) struct Cuboid<'a> {
     at: Point,
     half: &'a [Point; 3],
-    /// About the reciprocals of the squares of `half`.
+    /// Approximate reciprocals of the squares of `half`.
     inverse: [f64; 3],
 }
 
@@ -264,33 +268,22 @@ impl Supported for Cuboid<'_> {
     }
 }
 
+/// The data that cylinders and cones share: a reference point, an axis and the radius of a disc across it.
 #[derive(Debug)]
-pub(super) struct Cylinder<'a> {
+struct Disc<'a> {
     at: Point,
     axis: &'a Point,
     radius: f64,
-    /// The reciprocal of the square of `axis`.
+    /// Of `axis`.
+    square: f64,
     inverse: f64,
 }
 
-impl<'a> Cylinder<'a> {
+impl<'a> Disc<'a> {
     #[inline(always)]
-    pub(super) fn new(axis: &'a Point, radius: f64, at: Point) -> Self {
-        Self { at, axis, radius, inverse: 1.0 / dot(axis, axis) }
-    }
-
-    /// The part of a vector across the axis.
-    #[inline(always)]
-    fn across(&self, v: &Point) -> Point {
-        let along = dot(v, self.axis) * self.inverse;
-        difference(v, &times(along, self.axis))
-    }
-}
-
-impl Supported for Cylinder<'_> {
-    #[inline(always)]
-    fn at(&self) -> &Point {
-        &self.at
+    fn new(axis: &'a Point, radius: f64, at: Point) -> Self {
+        let square = dot(axis, axis);
+        Self { at, axis, radius, square, inverse: 1.0 / square }
     }
 
     #[inline(always)]
@@ -298,37 +291,164 @@ impl Supported for Cylinder<'_> {
         norm_1(self.axis) + self.radius
     }
 
+    /// The component of a vector along the axis, in units of the axis, and the component across it.
+    #[inline(always)]
+    fn split(&self, v: &Point) -> (f64, Point) {
+        let along = dot(v, self.axis) * self.inverse;
+        (along, difference(v, &times(along, self.axis)))
+    }
+
+    /// How far the rim reaches along a vector beyond the disc's middle.
+    #[inline(always)]
+    fn rim(&self, n: &Point) -> f64 {
+        let across = cross(n, self.axis);
+        self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+    }
+
+    /// A vector across the axis, and its multiple that leads from the disc's middle to the point of the rim farthest
+    /// along `n`.
+    #[inline(always)]
+    fn to_rim(&self, n: &Point) -> (Point, f64) {
+        // Project twice, so that the error is relative to the result; if that is too short, the middle of the disc
+        // will do.
+        let across = self.split(&self.split(n).1).1;
+        let square = dot(&across, &across);
+        let is_long = square > dot(n, n) * power_of_two(-60);
+        (across, if is_long { self.radius / libm::sqrt(square) } else { 0.0 })
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Cylinder<'a>(Disc<'a>);
+
+impl<'a> Cylinder<'a> {
+    #[inline(always)]
+    pub(super) fn new(axis: &'a Point, radius: f64, at: Point) -> Self {
+        Self(Disc::new(axis, radius, at))
+    }
+}
+
+impl Supported for Cylinder<'_> {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.0.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        self.0.size()
+    }
+
     #[inline(always)]
     fn inner(&self) -> f64 {
-        let half = greatest(self.axis);
-        if half < self.radius { half } else { self.radius }
+        let half = greatest(self.0.axis);
+        if half < self.0.radius { half } else { self.0.radius }
     }
 
     #[inline(always)]
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
-        let w = difference(p, &self.at);
-        let along = dot(&w, self.axis) * self.inverse;
-        let across = difference(&w, &times(along, self.axis));
-        let (square, radius) = (dot(&across, &across), self.radius * scale);
+        let disc = &self.0;
+        let (along, across) = disc.split(&difference(p, &disc.at));
+        let (square, radius) = (dot(&across, &across), disc.radius * scale);
         let factor = if square > radius * radius { radius / libm::sqrt(square) } else { 1.0 };
         let t = clamp(along, -scale, scale);
-        plus(&plus(&times(t, self.axis), &times(factor, &across)), &self.at)
+        plus(&plus(&times(t, disc.axis), &times(factor, &across)), &disc.at)
     }
 
     #[inline(always)]
     fn support(&self, n: &Point) -> f64 {
-        let across = cross(n, self.axis);
-        dot(n, self.axis).abs() + self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+        dot(n, self.0.axis).abs() + self.0.rim(n)
     }
 
     #[inline(always)]
     fn farthest(&self, n: &Point) -> Point {
-        let along = dot(n, self.axis);
-        let across = self.across(&self.across(n));
-        let (t, square) = (sign(along), dot(&across, &across));
-        // Twice across, so that its error is relative to itself; for shorter ones the centre of the disc.
-        let is_long = square > dot(n, n) * power_of_two(-60);
-        let factor = if is_long { self.radius / libm::sqrt(square) } else { 0.0 };
-        plus(&times(t, self.axis), &times(factor, &across))
+        let (across, factor) = self.0.to_rim(n);
+        let t = sign(dot(n, self.0.axis));
+        plus(&times(t, self.0.axis), &times(factor, &across))
+    }
+}
+
+/// The reference point is a quarter of the axis above the base.
+#[derive(Debug)]
+pub(super) struct Cone<'a> {
+    disc: Disc<'a>,
+    /// The reciprocal of the squared length of the side.
+    inverse_side: f64,
+}
+
+/// The height of the reference point, in units of the axis.
+const FROM_BASE: f64 = 0.25;
+
+impl<'a> Cone<'a> {
+    /// The reference point of a cone with the middle of its disc at `base`.
+    #[inline(always)]
+    pub(super) fn reference(axis: &Point, base: &Point) -> Point {
+        plus(base, &times(FROM_BASE, axis))
+    }
+
+    #[inline(always)]
+    pub(super) fn new(axis: &'a Point, radius: f64, at: Point) -> Self {
+        let disc = Disc::new(axis, radius, at);
+        let inverse_side = 1.0 / (disc.square + radius * radius);
+        Self { disc, inverse_side }
+    }
+}
+
+impl Supported for Cone<'_> {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.disc.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        self.disc.size()
+    }
+
+    // The side is at least 3/4 sqrt(1/2) of the smaller one of height and radius away.
+    #[inline(always)]
+    fn inner(&self) -> f64 {
+        let (half, height) = (0.5 * self.disc.radius, FROM_BASE * greatest(self.disc.axis));
+        if half < height { half } else { height }
+    }
+
+    // In the half plane through the axis and the point, in units of the axis and of length.
+    #[inline(always)]
+    fn nearest_of(&self, p: &Point, scale: f64) -> Point {
+        let Disc { at, axis, radius, square, .. } = &self.disc;
+        let (along, across) = self.disc.split(&difference(p, at));
+        let out = libm::sqrt(dot(&across, &across));
+        let (up, beyond) = (along + FROM_BASE * scale, out - radius * scale);
+        let (height, out_to) = if up < 0.0 && beyond <= 0.0 {
+            (0.0, out)
+        } else if up >= 0.0 && up * radius + beyond <= 0.0 {
+            (up, out)
+        } else {
+            // Between the rim and the tip.
+            let height = (up * square - beyond * radius) * self.inverse_side;
+            let height = clamp(height, 0.0, scale);
+            (height, radius * (scale - height))
+        };
+        let factor = if out_to < out { out_to / out } else { 1.0 };
+        plus(&plus(&times(height - FROM_BASE * scale, axis), &times(factor, &across)), at)
+    }
+
+    #[inline(always)]
+    fn support(&self, n: &Point) -> f64 {
+        let along = dot(n, self.disc.axis);
+        let rim = self.disc.rim(n) - FROM_BASE * along;
+        let tip = (1.0 - FROM_BASE) * along;
+        if tip > rim { tip } else { rim }
+    }
+
+    #[inline(always)]
+    fn farthest(&self, n: &Point) -> Point {
+        let along = dot(n, self.disc.axis);
+        let (across, factor) = self.disc.to_rim(n);
+        if along > factor * dot(&across, &across) {
+            times(1.0 - FROM_BASE, self.disc.axis)
+        } else {
+            plus(&times(-FROM_BASE, self.disc.axis), &times(factor, &across))
+        }
     }
 }

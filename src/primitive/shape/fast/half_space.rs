@@ -10,9 +10,9 @@ use crate::vector::{cross, dot};
 /// A half-space against another shape.
 ///
 /// The shape is within `reach` if and only if the least `normal . x - offset` of its core is at most `reach |normal|`.
-/// A dot product errs by at most 3 u of the sum of its terms' magnitudes, of which `size` has all; the part of a disc
-/// across the normal by a relative 8 u. Products of two coordinates are at least 2^-500 or zero. The squares of a cross
-/// product need the test of `size`.
+/// A dot product errs by at most 3 u of the sum of its terms' magnitudes, all of which `size` includes; the part of a
+/// disc across the normal by a relative 8 u. Products of two coordinates are at least 2^-500 or zero. The squares of a
+/// cross product need the test of `size`.
 pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
     let (normal, offset, other) = match (&a.core, &b.core) {
         (Core::HalfSpace { normal, .. }, Core::HalfSpace { normal: other, .. }) => {

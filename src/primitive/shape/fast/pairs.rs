@@ -1,86 +1,131 @@
-//! The pairs with a cuboid, a cylinder or a triangle, each compiled once.
+//! The pairs with a cuboid, a cylinder, a cone or a triangle, each compiled once.
 
 use super::axes;
-use super::bodies::{Cuboid, Cylinder, Segment, Supported, TriangleCore};
+use super::bodies::{Cone, Cuboid, Cylinder, Segment, Supported, TriangleCore};
+use super::pair_and_margin::PairAndMargin;
+use super::round;
 use super::search;
-use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::difference;
 
 const ORIGIN: Point = [0.0; 3];
 
-pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
-    match (&a.core, &b.core) {
+pub(super) fn decide(asked: &PairAndMargin<'_>) -> Option<bool> {
+    let reach = asked.reach;
+    match (&asked.a.core, &asked.b.core) {
         (Core::Point(p), Core::Cuboid { centre, half }) | (Core::Cuboid { centre, half }, Core::Point(p)) => {
-            search::from_point(&difference(p, centre), &Cuboid::new(half, ORIGIN)?, reach)
+            from_point(p, centre, half, asked)
         }
         (Core::Point(p), Core::Cylinder { centre, half_axis, radius })
         | (Core::Cylinder { centre, half_axis, radius }, Core::Point(p)) => {
-            search::from_point(&difference(p, centre), &Cylinder::new(half_axis, *radius, ORIGIN), reach)
+            round::cylinder(&difference(p, centre), half_axis, *radius, reach).or_else(|| asked.aligned())
+        }
+        (Core::Point(p), Core::Cone { base, axis, radius })
+        | (Core::Cone { base, axis, radius }, Core::Point(p)) => {
+            round::cone(&difference(p, base), axis, *radius, reach).or_else(|| asked.aligned())
         }
         (Core::Segment(s), Core::Cuboid { centre, half })
-        | (Core::Cuboid { centre, half }, Core::Segment(s)) => segment_cuboid(s, centre, half, reach),
+        | (Core::Cuboid { centre, half }, Core::Segment(s)) => segment_cuboid(s, centre, half, asked),
         (Core::Segment(s), Core::Cylinder { centre, half_axis, radius })
         | (Core::Cylinder { centre, half_axis, radius }, Core::Segment(s)) => {
             let at = difference(&s[0], centre);
-            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &Segment::new(s, at), reach)
+            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &Segment::new(s, at), asked)
         }
         (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) => {
-            cuboids(g, &difference(centre, c), half, reach)
+            cuboids(g, &difference(centre, c), half, asked)
         }
         (Core::Cuboid { centre: c, half }, Core::Cylinder { centre, half_axis, radius })
         | (Core::Cylinder { centre, half_axis, radius }, Core::Cuboid { centre: c, half }) => {
             let cylinder = Cylinder::new(half_axis, *radius, difference(centre, c));
-            search::decide(&Cuboid::new(half, ORIGIN)?, &cylinder, reach)
+            search::decide(&Cuboid::new(half, ORIGIN)?, &cylinder, asked)
         }
         (
             Core::Cylinder { centre: c, half_axis: axis, radius: r },
             Core::Cylinder { centre, half_axis, radius },
         ) => {
             let b = Cylinder::new(half_axis, *radius, difference(centre, c));
-            search::decide(&Cylinder::new(axis, *r, ORIGIN), &b, reach)
+            search::decide(&Cylinder::new(axis, *r, ORIGIN), &b, asked)
         }
-        (Core::Triangle(t), other) | (other, Core::Triangle(t)) => triangle(t, other, reach),
+        (Core::Triangle(t), other) | (other, Core::Triangle(t)) => triangle(t, other, asked),
+        (Core::Cone { base, axis, radius }, other) | (other, Core::Cone { base, axis, radius }) => {
+            cone(base, axis, *radius, other, asked)
+        }
         _ => None,
     }
 }
 
 #[inline(never)]
-fn triangle(t: &[Point; 3], other: &Core, reach: f64) -> Option<bool> {
+fn cone(base: &Point, axis: &Point, radius: f64, other: &Core, asked: &PairAndMargin<'_>) -> Option<bool> {
+    let from = |origin: &Point| Cone::new(axis, radius, Cone::reference(axis, &difference(base, origin)));
     match other {
-        Core::Point(p) => search::from_point(&difference(p, &t[0]), &TriangleCore::new(t, ORIGIN), reach),
+        Core::Segment(s) => search::decide(&Segment::new(s, ORIGIN), &from(&s[0]), asked),
+        Core::Cuboid { centre, half } => search::decide(&Cuboid::new(half, ORIGIN)?, &from(centre), asked),
+        Core::Cylinder { centre, half_axis, radius } => {
+            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &from(centre), asked)
+        }
+        Core::Cone { base: origin, axis: along, radius: other } => {
+            // The reference point of A is the origin. Bases first, which may be far away.
+            let between = Cone::reference(axis, &difference(base, origin));
+            let at = difference(&between, &Cone::reference(along, &ORIGIN));
+            search::decide(&Cone::new(along, *other, ORIGIN), &Cone::new(axis, radius, at), asked)
+        }
+        _ => None,
+    }
+}
+
+#[inline(never)]
+fn triangle(t: &[Point; 3], other: &Core, asked: &PairAndMargin<'_>) -> Option<bool> {
+    match other {
+        Core::Point(p) => {
+            search::from_point(&difference(p, &t[0]), &TriangleCore::new(t, ORIGIN), asked.reach)
+        }
         Core::Segment(s) => {
             let segment = Segment::new(s, difference(&s[0], &t[0]));
-            search::decide(&TriangleCore::new(t, ORIGIN), &segment, reach)
+            search::decide(&TriangleCore::new(t, ORIGIN), &segment, asked)
         }
         Core::Cuboid { centre, half } => {
             let (d, a) = (difference(&t[0], centre), Cuboid::new(half, ORIGIN)?);
             let b = TriangleCore::new(t, d);
-            search::decide_with(&a, &b, reach, |size| {
+            search::decide_with(&a, &b, asked, |size| {
                 // At a reach, a gap of 0 does not separate.
                 axes::meets_triangle(half, &d, &b.edges, size / a.inner())
-                    .filter(|meet| *meet || reach == 0.0)
+                    .filter(|meet| *meet || asked.reach == 0.0)
             })
         }
         Core::Cylinder { centre, half_axis, radius } => {
             let triangle = TriangleCore::new(t, difference(&t[0], centre));
-            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &triangle, reach)
+            search::decide(&Cylinder::new(half_axis, *radius, ORIGIN), &triangle, asked)
+        }
+        Core::Cone { base, axis, radius } => {
+            let cone = Cone::new(axis, *radius, Cone::reference(axis, &difference(base, &t[0])));
+            search::decide(&TriangleCore::new(t, ORIGIN), &cone, asked)
         }
         _ => None,
     }
 }
 
-#[inline(never)]
-fn segment_cuboid(s: &[Point; 2], centre: &Point, half: &[Point; 3], reach: f64) -> Option<bool> {
-    search::decide(&Cuboid::new(half, ORIGIN)?, &Segment::new(s, difference(&s[0], centre)), reach)
+#[inline(always)]
+fn from_point(p: &Point, centre: &Point, half: &[Point; 3], asked: &PairAndMargin<'_>) -> Option<bool> {
+    search::from_point(&difference(p, centre), &Cuboid::new(half, ORIGIN)?, asked.reach)
+        .or_else(|| asked.aligned())
 }
 
 #[inline(never)]
-fn cuboids(g: &[Point; 3], d: &Point, half: &[Point; 3], reach: f64) -> Option<bool> {
+fn segment_cuboid(
+    s: &[Point; 2],
+    centre: &Point,
+    half: &[Point; 3],
+    asked: &PairAndMargin<'_>,
+) -> Option<bool> {
+    search::decide(&Cuboid::new(half, ORIGIN)?, &Segment::new(s, difference(&s[0], centre)), asked)
+}
+
+#[inline(never)]
+fn cuboids(g: &[Point; 3], d: &Point, half: &[Point; 3], asked: &PairAndMargin<'_>) -> Option<bool> {
     let (a, b) = (Cuboid::new(g, ORIGIN)?, Cuboid::new(half, *d)?);
-    search::decide_with(&a, &b, reach, |size| {
+    search::decide_with(&a, &b, asked, |size| {
         // At a reach, a gap of 0 does not separate.
-        axes::meet(g, d, half, size / a.inner()).filter(|meet| *meet || reach == 0.0)
+        axes::meet(g, d, half, size / a.inner()).filter(|meet| *meet || asked.reach == 0.0)
     })
 }

@@ -3,6 +3,7 @@
 use super::bodies::{Segment, Supported, plus};
 use super::margins::ERROR;
 use super::margins::FEW;
+use super::pair_and_margin::PairAndMargin;
 use super::simplex::{FilterSimplex, NearestPoint};
 use crate::exact::power_of_two;
 use crate::range::Point;
@@ -12,12 +13,15 @@ use crate::vector::{difference, dot};
 const SHRINK: f64 = power_of_two(-9);
 /// Rounds before the pair stays undecided.
 const ROUNDS: usize = 20;
+/// The square of a direction below which the square of a gap may underflow: a gap that decides is at least 2^-142 of
+/// the direction.
+const LEAST: f64 = power_of_two(-500);
 
 /// What both certificates compare with.
 #[derive(Copy, Clone, Debug)]
 struct Thresholds {
-    /// The square of the distance of two computed points that shows that the shapes are within the margin; negative
-    /// if there is none.
+    /// The square of the distance between two computed points that shows that the shapes are within the margin;
+    /// negative if there is none.
     near: f64,
     /// The same for points of the shrunk cores.
     near_of_shrunk: f64,
@@ -25,8 +29,6 @@ struct Thresholds {
     near_of_balls: f64,
     /// The distance that a gap must exceed.
     far: f64,
-    /// The square of the length below which a direction is too inaccurate.
-    least: f64,
     size: f64,
     /// Bound of the error of the difference of two points.
     error: f64,
@@ -60,7 +62,6 @@ impl Thresholds {
             near_of_shrunk: near(wider),
             near_of_balls: near(reach + inner),
             far,
-            least: error * error,
             size,
             error,
             scale,
@@ -80,8 +81,13 @@ impl Thresholds {
     /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
     #[inline(always)]
     fn is_apart<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, square: f64) -> bool {
-        let gap = (dot(n, b.at()) - a.support(n)) - b.support(&negative(n));
-        gap > 0.0 && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW)) && square > self.least
+        self.separates((dot(n, b.at()) - a.support(n)) - b.support(&negative(n)), square)
+    }
+
+    /// Whether a gap along a direction of this square is wide enough.
+    #[inline(always)]
+    fn separates(&self, gap: f64, square: f64) -> bool {
+        gap > 0.0 && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW)) && square > LEAST
     }
 }
 
@@ -104,11 +110,7 @@ pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<b
     if square <= limits.near_of_shrunk {
         return Some(true);
     }
-    let gap = dot(&n, p) - a.support(&n);
-    let is_apart = gap > 0.0
-        && gap * gap > (limits.far * limits.far) * (square * (1.0 + 4.0 * FEW))
-        && square > limits.least;
-    is_apart.then_some(false)
+    limits.separates(dot(&n, p) - a.support(&n), square).then_some(false)
 }
 
 /// Two segments: the nearest points of the lines, clamped (Ericson, *Real-Time Collision Detection*, 5.1.9).
@@ -129,8 +131,8 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
 
 /// Two cores. The reference point of A is the origin.
 #[inline(always)]
-pub(super) fn decide<A: Supported, B: Supported>(a: &A, b: &B, reach: f64) -> Option<bool> {
-    decide_with(a, b, reach, |_| None)
+pub(super) fn decide<A: Supported, B: Supported>(a: &A, b: &B, asked: &PairAndMargin<'_>) -> Option<bool> {
+    decide_with(a, b, asked, |_| None)
 }
 
 /// [`decide`] with another filter before the search, which gets `size`.
@@ -138,11 +140,11 @@ pub(super) fn decide<A: Supported, B: Supported>(a: &A, b: &B, reach: f64) -> Op
 pub(super) fn decide_with<A: Supported, B: Supported>(
     a: &A,
     b: &B,
-    reach: f64,
+    asked: &PairAndMargin<'_>,
     filter: impl FnOnce(f64) -> Option<bool>,
 ) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
-    let limits = Thresholds::new(size, a.inner() + b.inner(), reach)?;
+    let limits = Thresholds::new(size, a.inner() + b.inner(), asked.reach)?;
     let square = dot(b.at(), b.at());
     if limits.is_apart(a, b, b.at(), square) {
         return Some(false);
@@ -157,10 +159,26 @@ pub(super) fn decide_with<A: Supported, B: Supported>(
     let p = a.nearest_of(b.at(), limits.scale);
     let q = b.nearest_of(&p, limits.scale);
     let n = difference(&q, &p);
-    match limits.judge(a, b, &n, limits.near_of_shrunk) {
-        None => search(a, b, &limits, &n, Some(&n)).or_else(|| search(a, b, &limits, &n, None)),
-        certain => certain,
+    if let Some(certain) = limits.judge(a, b, &n, limits.near_of_shrunk) {
+        return Some(certain);
     }
+    if let Some(certain) = asked.aligned() {
+        return Some(certain);
+    }
+    let end = match search(a, b, &limits, &n, Some(&n)) {
+        End::Flat => search(a, b, &limits, &n, None),
+        end => end,
+    };
+    if let End::Certain(verdict) = end { Some(verdict) } else { None }
+}
+
+/// How a search ends.
+enum End {
+    Certain(bool),
+    /// The distance is the reach, up to the error.
+    TooClose,
+    /// In a simplex that rounding makes useless.
+    Flat,
 }
 
 /// Gilbert, Johnson and Keerthi's iteration on the differences of a point of B and a point of A. With a
@@ -173,25 +191,34 @@ fn search<A: Supported, B: Supported>(
     limits: &Thresholds,
     from: &Point,
     first: Option<&Point>,
-) -> Option<bool> {
-    let mut v = *from;
+) -> End {
+    let (mut point, mut direction) = (*from, *from);
     let mut simplex = first.map_or(FilterSimplex::EMPTY, FilterSimplex::new);
     for _ in 0..ROUNDS {
-        let opposite = negative(&v);
-        let (p, q) = (a.farthest(&v), b.farthest(&opposite));
+        let (p, q) = (a.farthest(&direction), b.farthest(&negative(&direction)));
         let w = plus(&difference(b.at(), &p), &q);
-        if !simplex.add(&w) {
-            return None;
+        // The gap is at most that of these two points.
+        let (gap, square) = (dot(&direction, &w), dot(&direction, &direction));
+        let may_be_apart = gap > 0.0 && gap * gap > (limits.far * limits.far) * square;
+        if may_be_apart && limits.is_apart(a, b, &direction, square) {
+            return End::Certain(false);
         }
-        v = match simplex.reduce(limits.size, limits.error) {
-            NearestPoint::Inside => return Some(true),
-            NearestPoint::Unknown => return None,
-            NearestPoint::At(v) => v,
+        // The distance is known to the error.
+        let rest = dot(&direction, &point) - gap;
+        if rest * rest <= (limits.error * limits.error) * square {
+            return End::TooClose;
+        }
+        if !simplex.add(&w) {
+            return End::Flat;
+        }
+        (point, direction) = match simplex.reduce(limits.size, limits.error) {
+            NearestPoint::Inside => return End::Certain(true),
+            NearestPoint::Unknown => return End::Flat,
+            NearestPoint::At(point, direction) => (point, direction),
         };
-        let certain = limits.judge(a, b, &v, limits.near);
-        if certain.is_some() {
-            return certain;
+        if dot(&point, &point) <= limits.near {
+            return End::Certain(true);
         }
     }
-    None
+    End::Flat
 }

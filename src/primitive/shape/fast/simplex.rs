@@ -5,11 +5,12 @@ use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-/// Where a simplex is.
+/// Where a simplex lies relative to the origin.
 #[derive(Debug)]
 pub(super) enum NearestPoint {
-    /// Its nearest point: a convex combination of its corners up to rounding.
-    At(Point),
+    /// Its nearest point, a convex combination of its corners up to rounding, and a direction from the origin to it:
+    /// for a triangle the normal, which stays accurate if the point is close to the origin.
+    At(Point, Point),
     /// The origin is inside, farther from all planes of the faces than the error given.
     Inside,
     Unknown,
@@ -29,7 +30,7 @@ impl FilterSimplex {
         Self { corners: [*corner; 4], len: 1 }
     }
 
-    /// Whether the corner is new.
+    /// Adds a corner. Returns false if it is not new.
     #[inline]
     pub(super) fn add(&mut self, w: &Point) -> bool {
         if self.len == 4 || self.corners[..self.len].contains(w) {
@@ -40,7 +41,7 @@ impl FilterSimplex {
         true
     }
 
-    /// `error` bounds that of the corners, which are at most `size` from the origin.
+    /// `error` bounds the error of the corners, which are at most `size` from the origin.
     ///
     /// Keeps only the corners of the smallest simplex that contains the nearest point.
     #[inline]
@@ -63,7 +64,13 @@ impl FilterSimplex {
         let (point, [x, y, z], len) = nearest;
         self.corners = [x, y, z, z];
         self.len = len;
-        NearestPoint::At(point)
+        let direction = if len == 3 {
+            let normal = cross(&difference(&y, &x), &difference(&z, &x));
+            if dot(&normal, &x) < 0.0 { times(-1.0, &normal) } else { normal }
+        } else {
+            point
+        };
+        NearestPoint::At(point, direction)
     }
 }
 

@@ -1,5 +1,5 @@
-//! No two children that share a point, or come within the margin, are ever separated; and each of the four ways to
-//! separate others occurs.
+//! Two children that share a point, or come within the margin, are never separated; and each of the four ways to
+//! separate other children occurs.
 
 use super::*;
 use crate::construct::{Builder, Mesh};
@@ -237,7 +237,7 @@ fn images_meet<N: Lanes>() {
     let turned = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]];
     let (mut asked, mut found) = (0, 0);
     let units = [0, -20, 40].map(power_of_two);
-    // Exponents of the strays in A and in B; they make the frame of one body that much coarser than that of the other.
+    // Exponents of the strays in A and in B, which make the frame of one body that much coarser than the other's.
     let strays = [(0, 0), (2, 0), (0, 3), (20, 0), (0, 20), (40, 0), (0, 40)];
     let offsets = [0.0, 10.0, 1e9, power_of_two(40)];
     let deviations =
@@ -281,7 +281,7 @@ fn what_shares_a_point_is_never_apart() {
     for_each_node!(images_meet);
 }
 
-/// B is A's image, moved along a normal by the margin: the farthest that still counts.
+/// B is A's image, moved along a normal by the margin, the greatest distance that still counts.
 fn margins_reach<N: Lanes>() {
     let mut random = Random(2);
     for (round, size) in (0..6).flat_map(|r| [1e-6, 1e-3, 0.25, 4.0, 1e3].map(|size| (r, size))) {
@@ -310,7 +310,7 @@ fn what_comes_within_the_margin_is_never_apart() {
     for_each_node!(margins_reach);
 }
 
-/// Corners that the pose moves to below the least coordinate become zero, where B then is.
+/// Corners that the pose moves to below the least coordinate become zero; B is there.
 fn flushed_corners_meet<N: Lanes>() {
     let mut random = Random(3);
     for _ in 0..20 {
@@ -343,7 +343,7 @@ fn exact_corners_meet<N: Lanes>() {
     let mut random = Random(4);
     let mut poses = 0;
     while poses < 40 {
-        // The pad for the deviation from a rotation would hide every other error.
+        // A pad for a deviation from a rotation would hide all other errors.
         let rotation = random.turn_without_skew();
         let (i, c) = (random.u64() as usize % soup.len(), random.u64() as usize % 3);
         let image = pose_of(rotation, Deviation::None, [0.0; 3]).apply(soup[i][c]);
@@ -464,7 +464,7 @@ fn a_sheet_is_told_from_what_lies_on_either_side() {
 }
 
 /// Unbounded planes bound nothing, and neither do unbounded slabs: touching bodies are not separated, whatever is
-/// unbounded; far ones are not where a slab is unbounded.
+/// unbounded, and far bodies are not separated along an unbounded slab.
 fn unbounded_is_never_apart<N: Lanes>() {
     let mut random = Random(7);
     let soup = saddle(2);
@@ -497,8 +497,8 @@ fn unbounded_planes_and_slabs_never_separate() {
     for_each_node!(unbounded_is_never_apart);
 }
 
-/// The supports of children follow from their planes: never below those of the corners, and equal along the directions
-/// of the planes.
+/// The supports of children, computed from their planes, are never below those of the corners, and equal them along the
+/// directions of the planes.
 fn supports_bound<const K: usize, N: Lanes>() {
     let mut random = Random(8);
     let soup = saddle(2);

@@ -122,7 +122,7 @@ impl<'t> Arm<'t> {
         }
     }
 
-    /// A configuration that is free, one that is not, a motion that is free, and one through the standing ring.
+    /// A free configuration, one that is not free, a free motion, and one through the standing ring.
     pub fn answers(&mut self, query: &Query, waiting: &mut [MotionHit]) -> Result<[Found; ANSWERS], Failed> {
         Ok([
             self.collide(query, FREE)?,

@@ -10,18 +10,18 @@ use crate::primitive::shape::bounds::support::each;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-/// The most rounds of [`blocks`].
+/// Maximum number of rounds of [`blocks`].
 const ROUNDS: usize = 10;
 
 /// How much blocks are shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-7);
 
-/// Two blocks, by their coordinates x and y.
+/// Bounds of the distance between two blocks, from the coordinates x and y of their points.
 ///
 /// Each round projects A's point to B and B's to A, up to rounding and the angles of the edges. Where both have a free
 /// coordinate, a Newton step then minimises over the free coordinates of B, while A's point follows. Two cuboids start
-/// from the features along the axis with the widest gap: where this gap is their distance, which it is unless a corner
-/// or edge is nearest to an edge or a corner, they are the closest.
+/// from the features along the axis with the widest gap. If this gap is their distance, these features are the
+/// closest. It is, unless the closest features are two corners, or a corner and an edge.
 ///
 /// **Error.** The half edge of a segment is wrong by u of itself, its centre by as much, and `between` by three more
 /// roundings of parts of S: 5u S. A point adds at most 5 roundings of each product: 9u S, since the half edges together
@@ -45,7 +45,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     let slack = SLACK * libm::sqrt(3.0 * total);
     let (t, origins) = (products.between, difference(a.origin, b.origin));
     let axis = if N == 3 && M == 3 { Some(products.widest()) } else { None };
-    // Points that are not near the boundary show that cores meet.
+    // Search only points away from the boundary: they can prove that the cores meet.
     let mut most = if let Some(WidestAxis::None) = axis { 1.0 - SHRINK } else { 1.0 };
     let mut is_apart = false;
     let mut places = axis.map_or_else(|| products.near_centre(), |axis| products.on_axis(a, b, &axis));
@@ -85,7 +85,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
         if goal.is_met(lower, upper, slack) {
             return Some(goal.bounds(lower, upper, &at, &between, length));
         }
-        // Of points that are near, their difference does not tell which ways are barred.
+        // The difference of points that nearly touch does not tell which edges limit them.
         if upper - lower < 1e-3 * upper {
             let d = perpendicular(a, b, &places, &between);
             let square = dot(&d, &d);
@@ -103,8 +103,8 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     None
 }
 
-/// A vector along d that is perpendicular to edges of which the points are not ends: the cross product of two of them,
-/// or d without its part along the only one.
+/// A vector near d that is perpendicular to the edges along which the points can move both ways: the cross product of
+/// two of them, or d without its component along the only one.
 #[inline(always)]
 fn perpendicular<const N: usize, const M: usize>(
     a: &Zonotope<'_, N>,

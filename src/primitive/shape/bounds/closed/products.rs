@@ -1,4 +1,4 @@
-//! The products of two blocks' half edges, and steps towards their closest points by coordinates.
+//! Dot products of two blocks' half edges, and steps towards the closest points in their coordinates.
 
 use crate::primitive::shape::bounds::support::each;
 use crate::range::Point;
@@ -7,7 +7,7 @@ use core::array::from_fn;
 
 /// All sums of a centre and multiples of `half` by -1 to 1: a point, a segment, or a cuboid.
 pub(super) struct Zonotope<'s, const N: usize> {
-    /// The centre, or the end of a segment from which its half edge leads there.
+    /// The centre, or the end of a segment from which its half edge leads to the centre.
     pub(super) origin: &'s Point,
     pub(super) half: &'s [Point; N],
 }
@@ -23,15 +23,15 @@ impl<const N: usize> Zonotope<'_, N> {
         p
     }
 
-    /// The greatest product of a point, from the centre, with d.
+    /// The greatest dot product of d with a point relative to the centre.
     #[inline(always)]
     pub(super) fn reach(&self, d: &Point) -> f64 {
         self.half.iter().fold(0.0, |sum, half| sum + dot(half, d).abs())
     }
 
-    /// Whether a ball of this radius about the point with these coordinates is certainly inside. The angles between the
-    /// half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are long by a
-    /// factor of 1 - 4e-4 at most.
+    /// Whether a ball of this radius about the point with these coordinates is certainly inside. The half edges of a
+    /// cuboid are perpendicular within 1e-4, so the distance of a face is at least 1 - 4e-4 times the length of its
+    /// half edge.
     #[inline(always)]
     pub(super) fn has_ball(&self, x: &[f64; N], squares: &[f64; N], radius: f64) -> bool {
         let mut is_inside = N == 3;
@@ -59,7 +59,7 @@ pub(super) fn inverse(x: f64) -> f64 {
 pub(super) struct BlockPlaces<const N: usize, const M: usize> {
     pub(super) x: [f64; N],
     pub(super) y: [f64; M],
-    /// Of A's point before it was clamped.
+    /// The coordinates of A's point before clamping.
     pub(super) free_x: [f64; N],
 }
 
@@ -71,7 +71,7 @@ pub(super) struct EdgeProducts<const N: usize, const M: usize> {
     pub(super) squares_b: [f64; M],
     pub(super) inverse_a: [f64; N],
     pub(super) inverse_b: [f64; M],
-    /// Half edges times `between`.
+    /// Half edges of A times `between`.
     pub(super) along_a: [f64; N],
     pub(super) along_b: [f64; M],
     /// Half edges of A times those of B.
@@ -121,7 +121,7 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
         })
     }
 
-    /// The product of B's half edge with the vector from B's centre to A's point.
+    /// The dot product of B's half edge with the vector from B's centre to A's point.
     #[inline(always)]
     pub(super) fn along_of_b(&self, j: usize, x: &[f64; N]) -> f64 {
         let mut product = self.along_b[j];
@@ -138,7 +138,7 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
         BlockPlaces { x: free_x.map(|x| clamped(x, 1.0)), y: [0.0; M], free_x }
     }
 
-    /// Projects A's point to B, and that to A.
+    /// Projects A's point to B, and the result to A.
     #[inline(always)]
     pub(super) fn project(&self, places: &mut BlockPlaces<N, M>, most: f64) {
         places.y = from_fn(|j| clamped(self.along_of_b(j, &places.x) * self.inverse_b[j], most));
@@ -146,8 +146,8 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
         places.x = places.free_x.map(|x| clamped(x, most));
     }
 
-    /// Newton's step over B's free coordinates, while A's point follows. If one of the two has none, a projection is
-    /// exact.
+    /// Newton's step over B's free coordinates, while A's point follows. If A or B has no free coordinate, a
+    /// projection is exact.
     #[inline(always)]
     pub(super) fn step(&self, places: &mut BlockPlaces<N, M>, most: f64) {
         let is_free = |x: &f64| x.abs() < most;
@@ -177,8 +177,8 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
     }
 }
 
-/// Solves h s = s for a symmetric h, of which only the lower triangle is used, without unknowns that depend on those
-/// before: their pivots are below a small share of `squares`.
+/// Replaces s by the solution x of h x = s for a symmetric h, of which only the lower triangle is used. Omits unknowns
+/// that depend on earlier ones: their pivots are below a small fraction of `squares`.
 #[inline(always)]
 fn solve<const M: usize>(h: &mut [[f64; M]; M], s: &mut [f64; M], squares: &[f64; M]) {
     // L of `L D L^T`, and the reciprocals of D.

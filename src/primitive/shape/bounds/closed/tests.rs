@@ -30,7 +30,7 @@ fn magnitude(shape: &Shape) -> f64 {
     core + shape.radius()
 }
 
-/// The distance of two cores, of which one is a point if the other is round.
+/// The distance between two cores, of which one is a point if the other is round.
 fn distance(a: &Core, b: &Core) -> Double {
     if let (Some(p), Some(q)) = (truth::polytope(a), truth::polytope(b)) {
         return truth::distance(&p, &q);

@@ -7,7 +7,7 @@ use core::array::from_fn;
 /// The axis of two cuboids along which they are farthest apart.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum WidestAxis {
-    /// They overlap along all.
+    /// They overlap along all axes.
     None,
     A(usize),
     B(usize),
@@ -15,8 +15,8 @@ pub(super) enum WidestAxis {
 }
 
 impl<const N: usize, const M: usize> EdgeProducts<N, M> {
-    /// The axis with the widest gap, of the half edges of two cuboids and the cross products of two of them, up to
-    /// rounding and the angles of the edges (Gottschalk, Lin and Manocha 1996).
+    /// The axis with the widest gap, among the half edges of two cuboids and their cross products, up to rounding and
+    /// the angles of the edges (Gottschalk, Lin and Manocha 1996).
     #[inline(always)]
     pub(super) fn widest(&self) -> WidestAxis {
         let (a, b) = (self.squares_a.map(libm::sqrt), self.squares_b.map(libm::sqrt));
@@ -53,7 +53,7 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
                 let reach_b = b[m] * cosines[i][n].abs() + b[n] * cosines[i][m].abs();
                 let gap = (far * u - near * v).abs() - (reach_a + reach_b);
                 let square = 1.0 - cosines[i][j] * cosines[i][j];
-                // Edges that are about parallel have no axis.
+                // Nearly parallel edges give no axis.
                 if gap > 0.0 && square > 1e-6 && gap * gap > best * square {
                     (best, axis) = (gap * gap / square, WidestAxis::Edges(i, j));
                 }

@@ -27,7 +27,7 @@ fn unit(v: &Vector) -> Vector {
     v.map(|x| x / length)
 }
 
-/// What holds for all bounds: the direction separates, and none does with less than the lower bound.
+/// Checks all bounds: a translation along the direction separates, and none shorter than the lower bound does.
 fn check(a: &Shape, b: &Shape, tolerance: f64, random: &mut Rng) -> (Depth, f64) {
     let found = depth(a, b, tolerance);
     let text = format!("{a:?}\n{b:?}\n{found:?}");

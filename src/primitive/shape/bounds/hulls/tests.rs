@@ -31,7 +31,7 @@ fn corners(core: &Core) -> Vec<Point> {
     }
 }
 
-/// The distance of two polytopes, or minus their depth.
+/// The distance between two polytopes, or minus their depth.
 fn truth_of(a: &Core, b: &Core) -> Double {
     let [p, q] = [a, b].map(|core| truth::polytope(core).unwrap());
     let distance = truth::distance(&p, &q);
@@ -47,10 +47,10 @@ fn size(shapes: [&Shape; 2]) -> f64 {
     shapes.iter().flat_map(|s| corners(s.core())).map(|p| length(&p)).fold(0.0, f64::max)
 }
 
-/// What is certain is true. Returns whether the bounds are as tight as rounding allows for bodies that are not needles,
-/// the faces of which have normals that are wrong by the rounding of a corner over their width.
+/// Checks that the bounds hold. Returns whether they are as tight as rounding allows for bodies other than needles:
+/// the normals of a needle's faces are wrong by the rounding of a corner divided by its width.
 fn check(found: &SignedSeparation, truth: Double, size: f64, text: &str) -> bool {
-    // The corners of a cuboid were rounded on their way into a hull.
+    // The corners of a cuboid were rounded when they became those of a hull.
     let slack = 1e-14 * size;
     assert!(Double::from(found.lower - slack) <= truth, "{truth:?} {text}");
     assert!(truth <= Double::from(found.upper + slack), "{truth:?} {text}");

@@ -55,7 +55,7 @@ fn from_above(a: &Shape, b: &Shape, found: &Certified, rounds: usize) -> Double 
     length(&minus(&p, &q))
 }
 
-/// What holds for all bounds.
+/// Checks what all bounds must satisfy.
 fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Certified {
     let found = bounds(a, b, f64::INFINITY, tolerance);
     let text = format!("{a:?}\n{b:?}\n{found:?}");
@@ -93,7 +93,7 @@ fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Certified {
     found
 }
 
-/// The two moved so that they touch up to rounding, or nearly.
+/// A, moved so that the two touch up to rounding, or nearly.
 fn touching(a: &Shape, found: &Certified, random: &mut Rng) -> Shape {
     let share = 1.0 + [0.0, 0.0, 1e-15, 1e-12, -1e-15, -1e-9, 1e-6][random.below(7) as usize];
     let by: Point = [0, 1, 2].map(|k| (found.b[k] - found.a[k]) * share);
@@ -186,7 +186,7 @@ fn all_scales_give_the_same_bounds() {
             let size = magnitude(&a).max(magnitude(&b));
             assert!(upper - lower <= (1.001e-6 * lower).max(8.0 * FLOOR * size));
         }
-        // One shape beyond all proportion.
+        // One shape is far larger or smaller than the other.
         let scale = power_of_two([-150, 270][random.below(2) as usize]);
         let far = bounds(&scaled(&a, scale), &b, f64::INFINITY, 1e-6);
         assert!(far.lower >= 0.0 && far.lower <= far.upper && far.upper.is_finite(), "{far:?}");

@@ -11,7 +11,7 @@ use dashu_int::IBig;
 /// Binary digits after the point.
 const DIGITS: usize = 600;
 
-/// Degree2 to this power is less than any difference, and more than any error: square roots halve the digits.
+/// Two to this power is less than any difference, and more than any error: square roots halve the digits.
 const TIE: usize = DIGITS - 250;
 
 #[derive(Clone, PartialEq, PartialOrd)]

@@ -35,7 +35,7 @@ fn beside(rng: &mut Rng, x: f64) -> f64 {
     }
 }
 
-/// Shapes on a lattice of any size, with some numbers moved by one ulp. Those that touched before are decided by this.
+/// Shapes on a lattice of any size, with some numbers moved by one ulp, which decides pairs that touched before.
 #[test]
 #[cfg_attr(simdop_neon, ignore = "minutes under an emulator")]
 fn one_digit_decides() {

@@ -1,4 +1,4 @@
-//! Distances and support values with 100 bits, by other means than those tested.
+//! Distances and support values with 100 bits, by methods other than those tested.
 
 use super::double::{Double, Vector, ZERO, along, cross, dot, exact, length, minus};
 use crate::primitive::shape::{Core, Shape};
@@ -73,7 +73,7 @@ fn point_from_triangle(p: &Vector, [a, b, c]: [&Vector; 3]) -> Double {
     point_from_segment(p, a, b).least(point_from_segment(p, b, c)).least(point_from_segment(p, c, a))
 }
 
-/// Of two lines; infinite if their common perpendicular is not between both pairs of points.
+/// The distance between two lines; infinite if their common perpendicular is not between both pairs of points.
 fn inner_segments(p: [&Vector; 2], q: [&Vector; 2]) -> Double {
     let (u, v, w) = (minus(p[1], p[0]), minus(q[1], q[0]), minus(p[0], q[0]));
     let normal = cross(&u, &v);
@@ -115,7 +115,7 @@ pub(crate) fn gap(a: &Polytope, b: &Polytope, axis: &Vector) -> Double {
     (least + most) / length(axis)
 }
 
-/// The distance of two polytopes that are not both flat in one plane where they cross.
+/// The distance between two polytopes that are not both flat in one plane where they cross.
 pub(crate) fn distance(a: &Polytope, b: &Polytope) -> Double {
     let apart = axes(a, b).iter().any(|n| gap(a, b, n).0 > 0.0 || gap(a, b, &n.map(|x| -x)).0 > 0.0);
     let mut least = Double::from(f64::INFINITY);

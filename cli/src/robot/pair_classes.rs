@@ -1,4 +1,4 @@
-//! Classifies which bodies of a robot can meet at all, for all values of its joints, and compares with its SRDF.
+//! Classifies which bodies of a robot can meet, over all values of its joints, and compares the result with its SRDF.
 
 use super::model::moving_pairs;
 use crate::markup::escaped;
@@ -16,14 +16,14 @@ use std::time::Instant;
 type Configuration = BTreeMap<String, f64>;
 
 #[derive(Serialize)]
-pub(super) struct FatesReport {
+pub(super) struct ClassesReport {
     /// Maximum number of boxes of values for a pair.
     boxes_allowed: usize,
     boxes: usize,
-    /// Random configurations, in addition to the boxes.
+    /// Number of random configurations, in addition to the boxes.
     samples: usize,
     seconds: f64,
-    fates: Vec<FateReport>,
+    classes: Vec<ClassReport>,
     /// Entries of the SRDF that are wrong.
     refuted: Vec<Refuted>,
     /// Every pair, tested or excluded by the SRDF.
@@ -34,13 +34,13 @@ pub(super) struct FatesReport {
 struct CertifiedPair {
     bodies: [String; 2],
     is_asked: bool,
-    fate: &'static str,
+    class: &'static str,
     boxes: usize,
 }
 
 #[derive(Serialize)]
-struct FateReport {
-    fate: &'static str,
+struct ClassReport {
+    class: &'static str,
     asked: usize,
     ruled_out: usize,
 }
@@ -54,7 +54,7 @@ struct Refuted {
     at: Configuration,
 }
 
-const FATES: [(PairClass, &str); 4] = [
+const CLASSES: [(PairClass, &str); 4] = [
     (PairClass::Never, "never"),
     (PairClass::Always, "always"),
     (PairClass::Sometimes, "sometimes"),
@@ -66,16 +66,16 @@ pub(super) fn ask(
     query: Query,
     boxes: usize,
     quiet: bool,
-) -> Result<FatesReport, PlanningError> {
+) -> Result<ClassesReport, PlanningError> {
     let scene = PlanningScene::new(Arc::clone(model))?.with_query(query);
     let mut workspace = scene.workspace();
     let pairs = moving_pairs(model);
-    let mut report = FatesReport {
+    let mut report = ClassesReport {
         boxes_allowed: boxes,
         boxes: 0,
         samples: 0,
         seconds: 0.0,
-        fates: FATES.map(|(_, fate)| FateReport { fate, asked: 0, ruled_out: 0 }).into(),
+        classes: CLASSES.map(|(_, class)| ClassReport { class, asked: 0, ruled_out: 0 }).into(),
         refuted: Vec::new(),
         matrix: Vec::new(),
     };
@@ -91,16 +91,16 @@ pub(super) fn ask(
     Ok(report)
 }
 
-impl FatesReport {
+impl ClassesReport {
     fn add(&mut self, model: &RobotModel, (i, j): (usize, usize), found: &PairReport) {
         (self.boxes, self.samples) = (self.boxes + found.boxes, self.samples + found.samples);
         let bodies = || [i, j].map(|body| model.names()[body].clone());
         let is_asked = model.pairs().contains(&(i, j));
-        for ((fate, name), report) in FATES.iter().zip(&mut self.fates) {
-            if *fate == found.fate {
+        for ((class, name), report) in CLASSES.iter().zip(&mut self.classes) {
+            if *class == found.class {
                 *(if is_asked { &mut report.asked } else { &mut report.ruled_out }) += 1;
                 let (bodies, boxes) = (bodies(), found.boxes);
-                self.matrix.push(CertifiedPair { bodies, is_asked, fate: name, boxes });
+                self.matrix.push(CertifiedPair { bodies, is_asked, class: name, boxes });
             }
         }
         if is_asked {
@@ -116,25 +116,25 @@ impl FatesReport {
         }
     }
 
-    /// An SRDF file that disables the pairs of links whose bodies meet never, or at all values or never, and those that
-    /// a joint connects.
+    /// An SRDF file that disables the pairs of links each of whose pairs of bodies meets never or always, and those
+    /// that a joint connects.
     pub(super) fn srdf(&self, model: &RobotModel) -> String {
-        let mut fates: BTreeMap<[&str; 2], Vec<&str>> = BTreeMap::new();
+        let mut classes: BTreeMap<[&str; 2], Vec<&str>> = BTreeMap::new();
         for (pair, (i, j)) in self.matrix.iter().zip(moving_pairs(model)) {
             let [a, b] = [i, j].map(|body| model.robot().names[body].as_str());
-            fates.entry([a.min(b), a.max(b)]).or_default().push(pair.fate);
+            classes.entry([a.min(b), a.max(b)]).or_default().push(pair.class);
         }
         let links = &model.robot().links;
         for link in links {
             if let Some(parent) = &link.parent {
                 let [a, b] = [link.name.as_str(), links[parent.link].name.as_str()];
-                let _ = fates.insert([a.min(b), a.max(b)], vec!["adjacent"]);
+                let _ = classes.insert([a.min(b), a.max(b)], vec!["adjacent"]);
             }
         }
         let mut text =
             format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(&model.robot().name));
-        for ([a, b], fates) in fates {
-            let all = |known: &[&str]| fates.iter().all(|fate| known.contains(fate));
+        for ([a, b], classes) in classes {
+            let all = |known: &[&str]| classes.iter().all(|class| known.contains(class));
             let reason = match () {
                 () if all(&["adjacent"]) => "Adjacent",
                 () if all(&["never"]) => "Never",
@@ -149,8 +149,8 @@ impl FatesReport {
 
     pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
         writeln!(out, "\npairs meet        asked  ruled out")?;
-        for FateReport { fate, asked, ruled_out } in &self.fates {
-            writeln!(out, "{fate:15} {asked:7} {ruled_out:10}")?;
+        for ClassReport { class, asked, ruled_out } in &self.classes {
+            writeln!(out, "{class:15} {asked:7} {ruled_out:10}")?;
         }
         writeln!(
             out,
@@ -163,10 +163,10 @@ impl FatesReport {
             let values: Vec<String> = at.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
             writeln!(out, "    {}", values.join(", "))?;
         }
-        for CertifiedPair { bodies: [a, b], is_asked, fate, .. } in &self.matrix {
+        for CertifiedPair { bodies: [a, b], is_asked, class, .. } in &self.matrix {
             // Tested pairs that meet for no configuration, or for every one.
-            if *is_asked && ["never", "always"].contains(fate) {
-                writeln!(out, "asked, and they {fate} meet: {a}, {b}")?;
+            if *is_asked && ["never", "always"].contains(class) {
+                writeln!(out, "asked, and they {class} meet: {a}, {b}")?;
             }
         }
         Ok(())
@@ -181,7 +181,7 @@ fn counterexample<'a>(reason: &str, found: &'a PairReport) -> Option<(bool, &'a 
         "Adjacent" => None,
         "Never" => meeting,
         "Always" => found.free.as_deref().map(|values| (false, values)),
-        _ => meeting.filter(|_| found.fate == PairClass::Sometimes),
+        _ => meeting.filter(|_| found.class == PairClass::Sometimes),
     }
 }
 
@@ -192,7 +192,7 @@ mod tests {
     use simdop::planning::LinkGeometry;
     use simdop::robot::{DisabledPair, LinkShape, LinkShapes, Robot};
 
-    /// What the file disables never meets at random configurations, unless a joint connects it.
+    /// Pairs that the file disables never meet at random configurations, unless a joint connects them.
     #[test]
     fn an_srdf_disables_what_never_meets() {
         let robot = Robot::from_urdf(URDF, LinkShapes::Collision).unwrap();
@@ -231,8 +231,8 @@ mod tests {
 
     #[test]
     fn a_reason_is_refuted_by_what_it_denies() {
-        let report = |fate, meeting: Option<f64>, free: Option<f64>| PairReport {
-            fate,
+        let report = |class, meeting: Option<f64>, free: Option<f64>| PairReport {
+            class,
             meeting: meeting.map(|x| vec![x]),
             free: free.map(|x| vec![x]),
             boxes: 1,
@@ -251,7 +251,7 @@ mod tests {
         ] {
             for (found, want) in [&sometimes, &always, &never, &undecided].into_iter().zip(want) {
                 let got = counterexample(reason, found).map(|(meets, values)| (meets, values[0]));
-                assert_eq!(got, want, "{reason}, {:?}", found.fate);
+                assert_eq!(got, want, "{reason}, {:?}", found.class);
             }
         }
     }

@@ -52,7 +52,12 @@ impl Arm {
 }
 
 /// Classifies two bodies of an arm with these trees and radii, and checks the result at random values.
-fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), boxes: usize) -> PairReport {
+fn classified(
+    trees: [(&Tree, f64); 4],
+    limits: &[[f64; 2]],
+    pair: (usize, usize),
+    boxes: usize,
+) -> PairReport {
     let (arm, query) = (Arm::new(), Query::new(Isa::detect()));
     let robot = arm.robot(limits);
     let mut scene = Scene::new();
@@ -86,14 +91,14 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
     for _ in 0..2000 {
         let values: Vec<f64> = limits.iter().map(|&[from, to]| rng.range(from, to)).collect();
         let is_meeting = meets(&values);
-        assert!(report.fate != PairClass::Never || !is_meeting, "{values:?}");
-        assert!(report.fate != PairClass::Always || is_meeting, "{values:?}");
+        assert!(report.class != PairClass::Never || !is_meeting, "{values:?}");
+        assert!(report.class != PairClass::Always || is_meeting, "{values:?}");
     }
     report
 }
 
 #[test]
-fn fates_hold_at_random_values() {
+fn classes_hold_at_random_values() {
     let link = cuboid([0.05, -0.03, -0.03], [0.45, 0.03, 0.03]);
     let long = cuboid([-0.06, -0.03, -0.03], [0.56, 0.03, 0.03]);
     let tall = cuboid([-0.06, -0.02, -0.07], [0.56, 0.02, 0.07]);
@@ -102,23 +107,23 @@ fn fates_hold_at_random_values() {
     let wide = [[-PI, PI]; 3];
     let narrow = [[-0.3, 0.3]; 3];
     // One above the other for all joint values.
-    let report = fate([(&high, 0.0), (&link, 0.0), (&link, 0.0), (&link, 0.0)], &wide, (0, 2), 100_000);
-    assert_eq!((report.fate, report.meeting), (PairClass::Never, None));
+    let report = classified([(&high, 0.0), (&link, 0.0), (&link, 0.0), (&link, 0.0)], &wide, (0, 2), 100_000);
+    assert_eq!((report.class, report.meeting), (PairClass::Never, None));
     // The joints cannot fold the arm that far.
-    assert_eq!(fate(links, &narrow, (1, 3), 100_000).fate, PairClass::Never);
-    assert_eq!(fate(links, &wide, (1, 3), 100_000).fate, PairClass::Sometimes);
+    assert_eq!(classified(links, &narrow, (1, 3), 100_000).class, PairClass::Never);
+    assert_eq!(classified(links, &wide, (1, 3), 100_000).class, PairClass::Sometimes);
     // One body penetrates the other near their joint.
-    let report = fate([(&link, 0.0), (&long, 0.0), (&tall, 0.0), (&link, 0.0)], &wide, (1, 2), 100_000);
-    assert_eq!((report.fate, report.free), (PairClass::Always, None));
+    let report = classified([(&link, 0.0), (&long, 0.0), (&tall, 0.0), (&link, 0.0)], &wide, (1, 2), 100_000);
+    assert_eq!((report.class, report.free), (PairClass::Always, None));
     // Bodies of equal height touch only along lines.
-    assert_eq!(fate([(&long, 0.0); 4], &wide, (2, 1), 1000).fate, PairClass::Undecided);
+    assert_eq!(classified([(&long, 0.0); 4], &wide, (2, 1), 1000).class, PairClass::Undecided);
     // Points with radii.
     let point = Mesh { vertices: &[[0.0; 3]], triangles: &[[0; 3]] };
     let point: Tree = Builder::new().build_as(&point).unwrap();
     let points = |r: f64| [(&point, r), (&point, r), (&point, r), (&point, r)];
-    assert_eq!(fate(points(0.26), &wide, (1, 2), 1000).fate, PairClass::Always);
-    assert_eq!(fate(points(0.24), &wide, (1, 2), 1000).fate, PairClass::Never);
-    assert_eq!(fate(points(0.24), &wide, (1, 3), 1000).fate, PairClass::Sometimes);
+    assert_eq!(classified(points(0.26), &wide, (1, 2), 1000).class, PairClass::Always);
+    assert_eq!(classified(points(0.24), &wide, (1, 2), 1000).class, PairClass::Never);
+    assert_eq!(classified(points(0.24), &wide, (1, 3), 1000).class, PairClass::Sometimes);
 }
 
 #[test]
@@ -126,13 +131,13 @@ fn what_boxes_do_not_show_is_undecided() {
     let link = cuboid([0.05, -0.03, -0.03], [0.45, 0.03, 0.03]);
     let links = [(&link, 0.0); 4];
     let narrow = [[-1.2, 1.2]; 3];
-    let whole = fate(links, &narrow, (1, 3), 100_000).boxes;
+    let whole = classified(links, &narrow, (1, 3), 100_000).boxes;
     assert!(whole > 2);
     for boxes in [0, 1, whole - 1] {
-        let report = fate(links, &narrow, (1, 3), boxes);
-        assert_eq!((report.fate, report.boxes), (PairClass::Undecided, boxes));
+        let report = classified(links, &narrow, (1, 3), boxes);
+        assert_eq!((report.class, report.boxes), (PairClass::Undecided, boxes));
     }
-    assert_eq!(fate(links, &narrow, (1, 3), whole).fate, PairClass::Never);
+    assert_eq!(classified(links, &narrow, (1, 3), whole).class, PairClass::Never);
 }
 
 #[test]
@@ -148,18 +153,19 @@ fn bodies_of_one_link_and_others_that_stand_still() {
     let ids = [0, 1, 2].map(|_| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap());
     let far = scene.insert(Body::new(link.view()), &at(2.0, 0.0, 0.0)).unwrap();
     let near = scene.insert(Body::new(link.view()), &at(0.4, 0.0, 0.0)).unwrap();
-    let mut fate = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).unwrap().fate;
-    assert_eq!(fate(ids[0], ids[1]), PairClass::Always);
-    assert_eq!(fate(ids[2], far), PairClass::Never);
-    assert_eq!(fate(ids[2], near), PairClass::Sometimes);
-    assert_eq!(fate(far, near), PairClass::Never);
+    let mut class = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).unwrap().class;
+    assert_eq!(class(ids[0], ids[1]), PairClass::Always);
+    assert_eq!(class(ids[2], far), PairClass::Never);
+    assert_eq!(class(ids[2], near), PairClass::Sometimes);
+    assert_eq!(class(far, near), PairClass::Never);
     let refused = scene.classify_pair(&query, &ids, robot, (far, far), 10).unwrap_err();
     assert_eq!(refused, SceneError::NoPair { id: far });
     // A cloud may come first; two clouds are not a pair.
     let [scan, other] = [9.0, 0.0].map(|x| scene.insert(Body::new(points.view()), &at(x, 0.0, 0.0)).unwrap());
-    let mut fate = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).map(|report| report.fate);
-    assert_eq!((fate(scan, ids[2]), fate(ids[2], scan)), (Ok(PairClass::Never), Ok(PairClass::Never)));
-    assert_eq!(fate(scan, other), Err(SceneError::TwoClouds { id: scan }));
+    let mut class =
+        |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).map(|report| report.class);
+    assert_eq!((class(scan, ids[2]), class(ids[2], scan)), (Ok(PairClass::Never), Ok(PairClass::Never)));
+    assert_eq!(class(scan, other), Err(SceneError::TwoClouds { id: scan }));
     let refused = scene.classify_pair(&query, &ids[..1], robot, (far, near), 10).unwrap_err();
     assert_eq!(refused, SceneError::Motion { bodies: 3, given: 1, poses: 6 });
 }
