@@ -27,6 +27,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <numeric>
 
 namespace base = ompl::base;
 namespace planning = simdop::planning_with_ompl;
@@ -128,16 +129,23 @@ double percentile(std::vector<double> numbers, double share) {
     return numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1) + 0.5)];
 }
 
+/* The sum of times in milliseconds, in seconds. */
+double total(const std::vector<double> &milliseconds) {
+    return 1e-3 * std::accumulate(milliseconds.begin(), milliseconds.end(), 0.0);
+}
+
 void print(const std::string &set, const std::string &library, const outcome &outcome) {
     std::cout << "| " << set << " | " << library << " | " << outcome.solved << " of " << outcome.problems << " | "
               << percentile(outcome.milliseconds, 0.5) << " | " << percentile(outcome.milliseconds, 0.95) << " | "
-              << percentile(outcome.set_ups, 0.5) << " | " << percentile(outcome.lengths, 0.5) << " | "
+              << percentile(outcome.set_ups, 0.5) << " | " << total(outcome.milliseconds) << " | "
+              << total(outcome.set_ups) << " | " << percentile(outcome.lengths, 0.5) << " | "
               << outcome.wrong << " of " << outcome.edges << " | " << outcome.wrong_paths << " |" << std::endl;
 }
 
 void print_all(const std::map<std::string, outcomes> &libraries) {
-    std::cout << "| problems | library | solved | median, ms | 95 %, ms | set-up, ms | length | edges not free | paths "
-                 "not free |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
+    std::cout << "| problems | library | solved | median, ms | 95 %, ms | set-up, median, ms | total, s | total of "
+                 "set-ups, s | length | edges not free | paths not free |\n"
+                 "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
     for (const auto &[library, sets] : libraries) {
         outcome all;
         for (const auto &[set, outcome] : sets) {

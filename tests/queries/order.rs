@@ -66,7 +66,7 @@ fn the_way_back_loses_no_pair<N: Lanes>(poses: usize) {
 
 #[test]
 fn the_way_back_loses_nothing() {
-    let fewer = suite_step().min(4);
+    let fewer = suite_step();
     the_way_back_loses_no_pair::<Node16<18>>(300 / fewer);
     the_way_back_loses_no_pair::<Node4<14>>(100 / fewer);
     #[cfg(simdop_all_nodes)]

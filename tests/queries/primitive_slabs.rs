@@ -379,7 +379,7 @@ where
 {
     let mut rng = Rng::new(200 + K as u64);
     let mut tally = Tally::default();
-    while tally.checks < 750_000 / suite_step() as u64 {
+    while tally.checks < 750_000 / suite_step().pow(2) as u64 {
         let mut mesh = match rng.below(6) {
             0 => shapes::soup(&mut rng, 40, 0.3),
             1 => shapes::soup(&mut rng, 16, 1e-6),
@@ -492,7 +492,7 @@ fn unlike_bodies<N: Lanes>() {
     let mut rng = Rng::new(600 + N::K as u64);
     let mut apart = Apart::default();
     let mut met = 0_u64;
-    for i in 0..1600 / suite_step() {
+    for i in 0..(1600 / suite_step().pow(2)).max(80) {
         let scale = *rng.pick(&[1.0, 0.1, 1e-2, 1e-4, 1e-7]);
         let large = if rng.below(4) == 0 { shapes::torus(7, 9) } else { shapes::soup(&mut rng, 3, 1.0) };
         let mut small = shapes::torus(9, 7);

@@ -4,7 +4,7 @@
 //! The bodies are segments, end to end on one line, so that the spheres leave no slack.
 
 use crate::build;
-use crate::support::data::MeshData;
+use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -79,7 +79,7 @@ fn scene(rng: &mut Rng, apart: f64) -> Scene {
 fn what_touches_or_is_within_the_margin_is_never_told_apart() {
     let mut rng = Rng::new(1);
     let query = Query::new(Isa::SCALAR);
-    for _ in 0..6000 {
+    for _ in 0..6000 / suite_step() {
         let Scene { a, b, pose, what, .. } = scene(&mut rng, 0.0);
         assert!(query.collide(&a, &b, &pose).hit().is_some(), "{what}");
         let apart = *rng.pick(&[1e-3, 1.0, 100.0]);

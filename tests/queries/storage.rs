@@ -14,7 +14,7 @@ use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::{Completion, Lanes, Pair, Query};
 
-/// `full`, or `small` for emulators.
+/// The first number for the full suite, else the second.
 fn size(full: usize, small: usize) -> usize {
     if suite_step() == 1 { full } else { small }
 }

@@ -80,7 +80,7 @@ fn the_built_in_scene_needs_no_file() {
 #[test]
 fn what_repeats_repeats() {
     let folder = Folder::new("report_repeats");
-    folder.write("egg.obj", egg(3));
+    folder.write("egg.obj", egg(2));
     let digest = |rest: &[&str]| {
         let report = folder.json(&quick(&[&["egg.obj"], rest].concat()));
         report["digest"].as_str().unwrap().to_owned()
@@ -110,7 +110,7 @@ fn what_repeats_repeats() {
 #[test]
 fn the_csv_holds_every_setting_at_every_distance() {
     let folder = Folder::new("report_csv");
-    folder.write("egg.obj", egg(3));
+    folder.write("egg.obj", egg(2));
     let report = folder.json(&quick(&["egg.obj", "--csv", "other.csv"]));
     let records = records(&read(&folder, "other.csv"));
     let trees: Vec<&Record> = records.iter().filter(|record| record["kind"] == "tree").collect();
@@ -189,7 +189,7 @@ fn of_same(trees: &[&Record], distance: &str, column: &str) -> f64 {
 #[test]
 fn what_is_recommended_keeps_to_the_limits() {
     let folder = Folder::new("report_limits");
-    folder.write("egg.obj", egg(3));
+    folder.write("egg.obj", egg(2));
     let ask = |rest: &[&str]| -> (Option<Value>, String) {
         let report = folder.json(&quick(&[&["egg.obj"], rest].concat()));
         let chosen = report["recommended"].as_u64().map(|index| report["settings"][index as usize].clone());

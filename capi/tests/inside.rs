@@ -1,0 +1,11 @@
+//! Tests of modules that C cannot call. They are compiled here, since for tests in the library all of it would be
+//! compiled once more.
+#![expect(dead_code, reason = "the rest of the modules")]
+#![expect(non_camel_case_types, reason = "the names are those of C")]
+
+#[path = "../src/boundary.rs"]
+mod boundary;
+#[path = "../src/error/mod.rs"]
+mod error;
+#[path = "../src/version.rs"]
+mod version;
