@@ -46,7 +46,8 @@ fn available(name: &str) -> Option<Isa> {
     }
 }
 
-/// The tests of each instruction set; each test runs `law::<K>(kernel, name)` for every k, in Miri for the least and the greatest.
+/// The tests of each instruction set; each test runs `law::<K>(kernel, name)` for every k, or in Miri for the least and
+/// the greatest.
 macro_rules! laws {
     ($($isa:ident)*) => {
         #[test]

@@ -2,7 +2,7 @@
 
 use super::{arm, at, scene};
 use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS};
-use crate::support::data::{self, directory};
+use crate::support::data::{directory, suite_step};
 use crate::support::rng::Rng;
 use simdop::construct::{Builder, OwnedMesh};
 use simdop::planning::{PlanningError, PlanningScene, Workspace};
@@ -70,14 +70,15 @@ fn in_one_workspace(scene: &PlanningScene, workspace: &mut Workspace, values: &[
     assert_eq!(free, scene.free(values).unwrap());
 }
 
-/// 100,000 configurations, or the number in `SIMDOP_CONFIGURATIONS`.
+/// 100,000 configurations in the full suite, or the number in `SIMDOP_CONFIGURATIONS`.
 #[test]
 fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
     let Some(folder) = directory() else { return };
-    let all = std::env::var("SIMDOP_CONFIGURATIONS").map_or(100_000, |count| count.parse().unwrap());
+    let all =
+        std::env::var("SIMDOP_CONFIGURATIONS").map_or(100_000 / suite_step(), |count| count.parse().unwrap());
     for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
         let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
-        let problems = setting.problems(&folder, &other, 70);
+        let problems = setting.problems(&folder, &other, 70 * suite_step());
         let mut rng = Rng::new(21);
         let (mut decided, mut asked) = (0, 0);
         for problem in &problems {
@@ -85,7 +86,7 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
             insert_obstacles(&mut exact, problem);
             let mut bounded = exact.clone();
             bounded.use_bounds(CELL).unwrap();
-            let count = (all / (2 * problems.len())).max(1000) / data::suite_step() + 17;
+            let count = (all / (2 * problems.len())).max(1000) / suite_step() + 17;
             let values = random(&exact, &mut rng, count);
             decided += compare(&exact, &bounded, &values);
             asked += count;
@@ -102,13 +103,13 @@ fn motions_by_bounds_are_those_of_the_scene() {
         let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
         let mut rng = Rng::new(25);
         let mut all = [0; 2];
-        for problem in setting.problems(&folder, &other, 70) {
+        for problem in setting.problems(&folder, &other, 70 * suite_step()) {
             let mut exact = PlanningScene::new(Arc::clone(&model)).unwrap();
             insert_obstacles(&mut exact, &problem);
             let mut bounded = exact.clone();
             bounded.use_bounds(CELL).unwrap();
             let start = real::values(&model, &problem.ends[0]);
-            for _ in 0..(200 / data::suite_step()).max(12) {
+            for _ in 0..(200 / suite_step()).max(12) {
                 let random = random(&exact, &mut rng, 2);
                 let (a, b) = random.split_at(exact.variables());
                 let near = |from: &[f64], rng: &mut Rng| {
@@ -121,7 +122,7 @@ fn motions_by_bounds_are_those_of_the_scene() {
             }
         }
         println!("{}: {all:?} free and not", setting.name);
-        assert!(all.iter().all(|count| *count > 100), "{}: {all:?}", setting.name);
+        assert!(all.iter().all(|count| *count > 100 / suite_step()), "{}: {all:?}", setting.name);
     }
 }
 
@@ -155,14 +156,14 @@ fn bounds_are_the_same_on_every_instruction_set() {
     let mut scene = PlanningScene::new(model).unwrap();
     insert_obstacles(&mut scene, &setting.problems(&folder, &other, 1000)[0]);
     scene.use_bounds(CELL).unwrap();
-    let values = random(&scene, &mut Rng::new(22), 3000);
+    let values = random(&scene, &mut Rng::new(22), 3000 / suite_step());
     let on = |isa: Isa| scene.clone().with_query(Query::new(isa)).free_by_bounds(&values).unwrap();
     let scalar = on(Isa::SCALAR);
     assert!(scalar.contains(&Some(true)) && scalar.contains(&Some(false)) && scalar.contains(&None));
     let motions = |isa: Isa| {
         let scene = scene.clone().with_query(Query::new(isa));
         let mut workspace = scene.workspace();
-        let ends: Vec<&[f64]> = values.chunks(scene.variables()).take(300).collect();
+        let ends: Vec<&[f64]> = values.chunks(scene.variables()).take(300 / suite_step()).collect();
         let ask = |ends: &[&[f64]]| scene.check_motion(&mut workspace, [ends[0], ends[1]]).unwrap();
         ends.windows(2).map(ask).collect::<Vec<_>>()
     };
@@ -182,7 +183,7 @@ fn bounds_follow_the_scene() {
     assert!(bounded.bound_bytes().is_some() && exact.bound_bytes().is_none());
     let (mut rng, mut workspace) = (Rng::new(23), bounded.workspace());
     let mut check = |exact: &PlanningScene, bounded: &PlanningScene| {
-        let values = random(exact, &mut rng, 700);
+        let values = random(exact, &mut rng, 700 / suite_step());
         in_one_workspace(bounded, &mut workspace, &values);
         compare(exact, bounded, &values)
     };
@@ -243,7 +244,7 @@ fn bounds_follow_the_scene() {
     both(&mut |scene| scene.remove(cup).map(drop).unwrap(), true);
     both(&mut |scene| scene.forbid_collision(hand, wall).unwrap(), true);
     both(&mut |scene| scene.remove(wall).map(drop).unwrap(), true);
-    assert!(all > 1000, "{all}");
+    assert!(all > 1000 / suite_step(), "{all}");
 }
 
 fn exact_link(name: &str) -> BodyId {

@@ -140,7 +140,7 @@ fn the_csv_holds_every_setting_at_every_distance() {
                 assert!(of("false_positives") < of("leaf_pairs"), "{record:?}");
             }
             assert!(of("overestimate_mean") <= of("overestimate_greatest"), "{record:?}");
-            assert!((of("bytes") - 512.0 * of("bytes_per_triangle")).abs() < 1e-6, "{record:?}");
+            assert!((of("bytes") - 128.0 * of("bytes_per_triangle")).abs() < 1e-6, "{record:?}");
             assert!(of("median_us") > 0.0 && of("median_us") <= of("p99_us"), "{record:?}");
             assert!(of("build_ms") > 0.0 && of("visits") > 0.0, "{record:?}");
             logarithms += of("median_us").ln();
