@@ -1,7 +1,6 @@
 //! Tests of modules that C cannot call. They are compiled here, since for tests in the library all of it would be
 //! compiled once more.
-#![expect(dead_code, reason = "the rest of the modules")]
-#![expect(non_camel_case_types, reason = "the names are those of C")]
+#![expect(dead_code, unreachable_pub, reason = "the rest of the modules")]
 
 #[path = "../src/boundary.rs"]
 mod boundary;
