@@ -7,7 +7,7 @@ mod rng;
 #[path = "support/shapes.rs"]
 mod shapes;
 
-use data::{MeshData, directory, suite_step};
+use data::{MeshData, by_suite, directory, suite_step};
 use glam::DVec3;
 use rng::Rng;
 use simdop::construct::{BuildError, CoverError, Mesh};
@@ -106,7 +106,7 @@ fn spheres_hold_the_mesh_and_stay_near_it() {
     .step_by(suite_step().min(2))
     {
         let mesh = round(mesh);
-        let errors: &[f64] = if suite_step() > 1 { &[0.5, 0.2] } else { &[0.5, 0.1, 0.03] };
+        let errors: &[f64] = by_suite(&[0.5, 0.1, 0.03], &[0.5, 0.2]);
         let counts: Vec<_> = errors.iter().map(|&error| check(&mesh, error, name)).collect();
         assert!(counts.is_sorted(), "{name}: {counts:?}");
         assert_eq!(cover(&mesh, 10.0).len(), 1, "{name}: one sphere is enough");
@@ -211,7 +211,7 @@ fn spheres_hold_the_solid_and_stay_near_it() {
     .into_iter()
     .step_by(suite_step().min(2))
     {
-        let errors: &[f64] = if suite_step() > 1 { &[0.5, 0.25] } else { &[0.5, 0.25, 0.0625] };
+        let errors: &[f64] = by_suite(&[0.5, 0.25, 0.0625], &[0.5, 0.25]);
         let counts: Vec<_> = errors.iter().map(|&error| check_solid(&mesh, error, points, name)).collect();
         assert!(counts.is_sorted(), "{name}: {counts:?}");
         assert_eq!(cover_solid(&mesh, 10.0).len(), 1, "{name}: one sphere is enough");

@@ -6,7 +6,7 @@ mod data;
 #[path = "support/rng.rs"]
 mod rng;
 
-use data::suite_step;
+use data::{by_suite, suite_step};
 use rng::Rng;
 use simdop::low_level::directions::{Directions, SUPPORTED, table};
 
@@ -136,7 +136,7 @@ fn borders<const K: usize>() {
         }
     }
     // Coprime to the step of small suites: all kinds of rays.
-    for ray in rays.into_iter().step_by(if suite_step() > 1 { 29 } else { 1 }) {
+    for ray in rays.into_iter().step_by(by_suite(1, 29)) {
         for axis in 0..3 {
             let x = ray[axis];
             for beside in [x.next_down(), x, x.next_up(), x - 1e-10, x + 1e-10] {

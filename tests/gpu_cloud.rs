@@ -5,9 +5,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "support/data.rs"]
+mod data;
+#[path = "support/rng.rs"]
+mod rng;
 #[path = "cloud/scenes.rs"]
 mod scenes;
 
+use data::by_suite;
 use scenes::{Random, brute};
 use simdop::cloud::gpu::{DeviceCloud, DeviceCloudError, FARTHEST, LEAST_SQUARE};
 use simdop::cloud::{CloudError, CloudRef, List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
@@ -113,7 +118,7 @@ fn others(points: &[[f32; 3]], cloud: &PointCloud, count: usize) -> Vec<[f32; 3]
 #[test]
 fn own_neighbours_are_the_cpus() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(scenes::size(700, 150)) {
+    for (name, points, radii) in scenes::all(by_suite(700, 150)) {
         let cloud = PointCloud::new(&points).unwrap();
         let made = DeviceCloud::new(gpu, &cloud.view());
         if name == "near the greatest numbers" {
@@ -167,7 +172,7 @@ fn own_neighbours_are_the_cpus() {
 fn neighbours_of_other_points_are_the_cpus() {
     let Some(gpu) = device() else { return };
     for (name, points, radii) in
-        scenes::all(scenes::size(600, 150)).into_iter().filter(|(name, ..)| !name.contains("greatest"))
+        scenes::all(by_suite(600, 150)).into_iter().filter(|(name, ..)| !name.contains("greatest"))
     {
         let cloud = PointCloud::new(&points).unwrap();
         let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
@@ -229,7 +234,7 @@ fn some_buckets_ask() {
 #[test]
 fn refits_have_the_cpus_boxes_and_neighbours() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(scenes::size(330, 100)) {
+    for (name, points, radii) in scenes::all(by_suite(330, 100)) {
         if name.contains("greatest") || name.contains("least") {
             continue;
         }

@@ -11,7 +11,7 @@ use simdop::hierarchy::{Bvh, BvhRef, MAX_DEPTH};
 use simdop::node::{Link, Node4, Node16};
 use simdop::query::Lanes;
 use std::time::Instant;
-use support::data::{MeshData, directory, suite_step};
+use support::data::{MeshData, by_suite, directory, suite_step};
 use support::digest::digest_of_tree;
 use support::rng::Rng;
 use support::shapes;
@@ -377,7 +377,7 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
     let oracle = Oracle { points: &points, weights: &weights, lanes: N::ARITY };
     let mut rng = Rng::new(99);
     let (want, _) = mean_and_spread(&[(); 3].map(|()| oracle.error(&oracle.cluster(&mut rng))));
-    let seeds = if suite_step() == 1 { 20 } else { 2 };
+    let seeds = by_suite(20, 2);
     let errors: Vec<f64> = (0..seeds)
         .map(|seed| {
             let tree: Bvh<N> = builder(magnification, seed).build_as(&mesh_of(mesh)).unwrap();

@@ -1,5 +1,6 @@
 //! Bodies near the points of a cloud, against all pairs of a primitive and a point.
 
+use crate::data::by_suite;
 use crate::scenes::{self, Random};
 use core::ops::ControlFlow;
 use simdop::cloud::{Contact, PointCloud, RangeSearch, SearchError};
@@ -61,7 +62,7 @@ fn check<N: Lanes, P: PrimitivePair<Spheres>>(
 ) {
     let (cloud, random) = (PointCloud::new(points).unwrap(), &mut Random(31));
     let (mut hits, mut free) = (0, 0);
-    for step in 0..scenes::size(60, 8) {
+    for step in 0..by_suite(60, 8) {
         let pose = pose(random, reach, if step % 3 == 0 { 1e-9 } else { 0.0 });
         for &margin in margins {
             let want = pairs_within(body, points, &pose, margin);
@@ -80,7 +81,7 @@ fn check<N: Lanes, P: PrimitivePair<Spheres>>(
         }
     }
     // A small suite need not have both.
-    let few = scenes::size(60, 8) < 60;
+    let few = by_suite(60, 8) < 60;
     assert!(few || hits > 0 && free > 0, "{what}: {hits} hits, {free} free");
 }
 
@@ -89,7 +90,7 @@ fn mesh() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let random = &mut Random(37);
     let vertices = (0..60).map(|_| random.point().map(|x| f64::from(x) - 0.5)).collect();
     let corner = |random: &mut Random| ((random.next() * 60.0) as u32).min(59);
-    let triangles = (0..scenes::size(80, 20)).map(|_| [(); 3].map(|()| corner(random))).collect();
+    let triangles = (0..by_suite(80, 20)).map(|_| [(); 3].map(|()| corner(random))).collect();
     (vertices, triangles)
 }
 
@@ -99,7 +100,7 @@ fn spheres() -> Vec<Sphere> {
         centre: random.point().map(|x| f64::from(x) - 0.5),
         radius: if i.is_multiple_of(9) { 0.0 } else { 0.05 },
     };
-    (0..scenes::size(70, 20)).map(sphere).collect()
+    (0..by_suite(70, 20)).map(sphere).collect()
 }
 
 #[test]
@@ -107,8 +108,7 @@ fn a_mesh_has_points_within_its_margin_where_a_loop_finds_them() {
     let (vertices, triangles) = mesh();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
     let random = &mut Random(43);
-    let points: Vec<_> =
-        (0..scenes::size(400, 80)).map(|_| random.point().map(|x| 3.0 * (x - 0.5))).collect();
+    let points: Vec<_> = (0..by_suite(400, 80)).map(|_| random.point().map(|x| 3.0 * (x - 0.5))).collect();
     let margins = [0.0, 1e-6, 0.01, 0.1];
     check::<_, Triangles>(&Builder::new().build(&mesh).unwrap(), &points, &margins, 1.5, "k = 18");
     check::<_, Triangles>(
@@ -133,7 +133,7 @@ fn spheres_have_points_within_their_margin_where_a_loop_finds_them() {
     let build = |spheres: &[Sphere]| -> Bvh<Node16<18>, Spheres> {
         Builder::new().build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
     };
-    for (name, points, _) in scenes::all(scenes::size(300, 60)) {
+    for (name, points, _) in scenes::all(by_suite(300, 60)) {
         let widest = points.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
         if !(1e-3..1e7).contains(&widest) {
             continue;
@@ -244,7 +244,7 @@ fn least_distance<N: Lanes, P: PrimitivePair<Spheres>>(
 
 fn check_distances<N: Lanes, P: PrimitivePair<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], what: &str) {
     let (cloud, random) = (PointCloud::new(points).unwrap(), &mut Random(47));
-    for step in 0..scenes::size(40, 6) {
+    for step in 0..by_suite(40, 6) {
         let pose = pose(random, if step % 4 == 0 { 40.0 } else { 2.0 }, 0.0);
         let want = least_distance(body, points, &pose);
         for (tolerance, cutoff) in [(0.0, f64::INFINITY), (0.1, f64::INFINITY), (0.0, 0.2), (0.5, 0.0)] {
@@ -283,7 +283,7 @@ fn distances_are_those_of_a_loop() {
         .build_geometry(&SphereSet { spheres: &spheres() }, &mut |_| ControlFlow::Continue(()))
         .unwrap();
     let random = &mut Random(53);
-    for count in [1, 17, scenes::size(300, 60)] {
+    for count in [1, 17, by_suite(300, 60)] {
         let points: Vec<_> = (0..count).map(|_| random.point().map(|x| 3.0 * (x - 0.5))).collect();
         check_distances(&mesh, &points, "triangles");
         check_distances(&balls, &points, "spheres");
@@ -306,7 +306,7 @@ fn points_inside_of_a_solid_are_near() {
     let surface: Bvh<Node16<18>> = Builder::new().build_as(&mesh).unwrap();
     let random = &mut Random(59);
     let mut met = [0; 2];
-    for step in 0..scenes::size(400, 60) {
+    for step in 0..by_suite(400, 60) {
         let points: Vec<[f32; 3]> =
             (0..1 + step % 20).map(|_| random.point().map(|x| 8.0 * (x - 0.5))).collect();
         let pose = pose(random, 2.0, 0.0);
@@ -329,5 +329,5 @@ fn points_inside_of_a_solid_are_near() {
             assert_eq!(distance.upper == 0.0, is_inside, "{isa}, {step}: {distance:?}");
         }
     }
-    assert!(met.iter().all(|count| *count > scenes::size(10, 1)), "{met:?}");
+    assert!(met.iter().all(|count| *count > by_suite(10, 1)), "{met:?}");
 }

@@ -1,5 +1,6 @@
 //! Clouds as bytes: reading them gives the same cloud, or an error.
 
+use crate::data::by_suite;
 use crate::scenes::{self, Random};
 use simdop::cloud::{CLOUD_MAGIC, CloudError, CloudRef, Neighbour, PointCloud, Queries, Radii, RangeSearch};
 use simdop::construct::Splitter;
@@ -21,7 +22,7 @@ fn read(bytes: &[u8]) -> Result<usize, FormatError> {
 
 #[test]
 fn a_cloud_comes_back_from_its_bytes() {
-    for (name, points, radii) in scenes::all(scenes::size(700, 120)) {
+    for (name, points, radii) in scenes::all(by_suite(700, 120)) {
         let mut cloud = PointCloud::with_room(&points, 11, points.len() + 5).unwrap();
         cloud.remove(3).unwrap();
         cloud.insert(points.len() as u32 + 2, points[3]).unwrap();
@@ -128,7 +129,7 @@ fn a_cloud_from_bytes_has_the_room_that_it_says() {
     bytes[20..24].copy_from_slice(&2000_u32.to_le_bytes());
     let mut cloud = PointCloud::from_bytes(&bytes).unwrap();
     assert_eq!(cloud.view().buckets().len(), 4);
-    for index in 40..scenes::size(2000, 200) as u32 {
+    for index in 40..by_suite(2000, 200) as u32 {
         let point = random.point();
         points.push(point);
         if let Err(error) = cloud.insert(index, point) {
@@ -153,7 +154,7 @@ fn bytes_that_are_accepted_are_safe() {
     let points: Vec<_> = (0..300).map(|_| random.point()).collect();
     let bytes = PointCloud::with_room(&points, 9, 310).unwrap().view().to_bytes();
     let mut accepted = 0;
-    for _ in 0..scenes::size(20_000, 300) {
+    for _ in 0..by_suite(20_000, 300) {
         let mut wrong = bytes.clone();
         for _ in 0..1 + (random.next() * 3.0) as usize {
             let at = (random.next() * wrong.len() as f32) as usize;
@@ -178,7 +179,7 @@ fn every_splitter_makes_a_cloud() {
         Splitter::MeanWidth,
         Splitter::BatchNeuralGas { magnification: simdop::construct::Magnification::None, seed: 1 },
     ];
-    for (name, points, radii) in scenes::all(scenes::size(900, 100)) {
+    for (name, points, radii) in scenes::all(by_suite(900, 100)) {
         let count = |cloud: &PointCloud| {
             let mut counts = vec![0; points.len()];
             let search = RangeSearch::new(Isa::detect());

@@ -1,6 +1,7 @@
 //! Points that move, or are inserted or removed: the tree stays correct.
 
-use crate::scenes::{self, Random, brute, is_near};
+use crate::data::by_suite;
+use crate::scenes::{Random, brute, is_near};
 use simdop::cloud::{CloudError, CloudMut, Memory, PointCloud, Queries, Radii, RangeSearch};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket};
@@ -21,7 +22,7 @@ fn assert_right(cloud: &PointCloud, points: &[Option<[f32; 3]>], radius: f32, wh
 /// for.
 #[test]
 fn particles_stay_exact_through_refits_and_rebuilds() {
-    let (n, frames) = (scenes::size(600, 120), scenes::size(2000, 60));
+    let (n, frames) = (by_suite(600, 120), by_suite(2000, 60));
     let random = &mut Random(5);
     let mut points: Vec<_> = (0..n).map(|_| random.point()).collect();
     let velocities: Vec<_> = (0..n).map(|_| random.point().map(|x| (x - 0.5) * 0.02)).collect();
@@ -73,7 +74,7 @@ fn a_tree_that_was_rebuilt_is_the_tree_that_is_built() {
 
 #[test]
 fn points_come_and_go() {
-    let (n, room) = (scenes::size(500, 100), scenes::size(700, 140));
+    let (n, room) = (by_suite(500, 100), by_suite(700, 140));
     let random = &mut Random(13);
     for bucket_size in [1, 8, 13] {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
@@ -81,7 +82,7 @@ fn points_come_and_go() {
         let mut there: Vec<_> = points.into_iter().map(Some).collect();
         there.resize(room, None);
         let (mut inserted, mut removed) = (0, 0);
-        for step in 0..scenes::size(2000, 200) {
+        for step in 0..by_suite(2000, 200) {
             let index = ((random.next() * room as f32) as usize).min(room - 1);
             match there[index] {
                 Some(_) => {

@@ -3,7 +3,11 @@
 mod body;
 mod bytes;
 mod changes;
+#[path = "../support/data.rs"]
+mod data;
 mod memory;
 mod neighbours;
+#[path = "../support/rng.rs"]
+mod rng;
 mod scenes;
 mod single;

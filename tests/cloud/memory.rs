@@ -4,7 +4,8 @@
 #[path = "../support/heap.rs"]
 mod heap;
 
-use crate::scenes::{self, Random};
+use crate::data::by_suite;
+use crate::scenes::Random;
 use core::ops::ControlFlow;
 use heap::without_heap;
 use simdop::cloud::{
@@ -68,7 +69,7 @@ fn bodies_among_points_stay_off_the_heap() {
 
 #[test]
 fn nothing_allocates_in_borrowed_memory() {
-    let (n, room) = (scenes::size(1000, 200), scenes::size(1100, 220));
+    let (n, room) = (by_suite(1000, 200), by_suite(1100, 220));
     let random = &mut Random(31);
     let mut points: Vec<_> = (0..room).map(|_| random.point()).collect();
     let count = buckets_for(room, 11);

@@ -1,5 +1,6 @@
 //! Lists, counts and visits of all neighbours.
 
+use crate::data::by_suite;
 use crate::scenes::{self, Random, brute};
 use core::ops::ControlFlow;
 use simdop::cloud::{CloudRef, List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
@@ -46,7 +47,7 @@ fn sorted(mut list: Vec<u32>) -> Vec<u32> {
 
 #[test]
 fn own_neighbours_are_those_of_a_loop() {
-    for (name, points, radii) in scenes::all(scenes::size(1500, 200)) {
+    for (name, points, radii) in scenes::all(by_suite(1500, 200)) {
         let cloud = PointCloud::new(&points).unwrap();
         for &radius in &radii {
             let found = ask(&cloud.view(), &Queries::own(), Radii::Same(radius), points.len());
@@ -84,7 +85,7 @@ fn neighbours_come_in_the_order_of_buckets_and_slots() {
 #[test]
 fn queries_go_down_alone_where_packets_find_too_much() {
     let random = &mut Random(23);
-    let n = scenes::size(2000, 500);
+    let n = by_suite(2000, 500);
     let points: Vec<_> = (0..n).map(|_| random.point()).collect();
     let cloud = PointCloud::with_room(&points, 3, n).unwrap();
     assert!(cloud.view().buckets().len() > 128, "more than eight sixteens");
@@ -99,7 +100,7 @@ fn queries_go_down_alone_where_packets_find_too_much() {
 /// Queries at points of another set, inside the cloud's box and far outside, each with a radius of its own.
 #[test]
 fn neighbours_of_other_points_are_those_of_a_loop() {
-    for (name, points, radii) in scenes::all(scenes::size(1000, 150)) {
+    for (name, points, radii) in scenes::all(by_suite(1000, 150)) {
         let cloud = PointCloud::new(&points).unwrap();
         let random = &mut Random(3);
         let bounds = cloud.view().bounds();
@@ -115,7 +116,7 @@ fn neighbours_of_other_points_are_those_of_a_loop() {
                 asked
             }
         };
-        let queries: Vec<_> = (0..scenes::size(700, 90)).map(other).collect();
+        let queries: Vec<_> = (0..by_suite(700, 90)).map(other).collect();
         let each: Vec<f32> = (0..queries.len()).map(|i| radii[i % radii.len()]).collect();
         let mut seats = vec![Seat::default(); queries.len()];
         let packed = RangeSearch::new(Isa::detect()).seat(&cloud.view(), &queries, &mut seats).unwrap();
@@ -143,7 +144,7 @@ fn every_instruction_set_seats_alike() {
 #[test]
 fn any_number_of_points_makes_a_cloud() {
     let random = &mut Random(11);
-    let most = scenes::size(5000, 300);
+    let most = by_suite(5000, 300);
     for n in (0..70).chain([255, 256, 257, 271, 272, 273, 4095, 4096, 4097]).filter(|&n| n < most) {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
         for bucket_size in [1, 2, 5, 15, 16] {

@@ -71,8 +71,3 @@ pub(crate) fn all(n: usize) -> Vec<Scene> {
         ("near the greatest numbers", huge, vec![0.0, 1e18, 1e20, 1e38]),
     ]
 }
-
-/// The number of points: the first if `SIMDOP_SUITE` is `full`.
-pub(crate) fn size(full: usize, small: usize) -> usize {
-    if std::env::var("SIMDOP_SUITE").as_deref() == Ok("full") { full } else { small }
-}

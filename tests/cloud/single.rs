@@ -1,5 +1,6 @@
 //! Single queries.
 
+use crate::data::by_suite;
 use crate::scenes::{self, Random, brute, square};
 use core::ops::ControlFlow;
 use simdop::cloud::{Neighbour, PointCloud, RangeSearch, SearchError};
@@ -24,9 +25,9 @@ fn queries(points: &[[f32; 3]], count: usize) -> Vec<[f32; 3]> {
 
 #[test]
 fn what_is_within_is_what_a_loop_finds() {
-    for (name, points, radii) in scenes::all(scenes::size(1200, 150)) {
+    for (name, points, radii) in scenes::all(by_suite(1200, 150)) {
         let cloud = PointCloud::new(&points).unwrap();
-        for (i, &query) in queries(&points, scenes::size(300, 40)).iter().enumerate() {
+        for (i, &query) in queries(&points, by_suite(300, 40)).iter().enumerate() {
             let radius = radii[i % radii.len()];
             let want = brute(&points, query, radius);
             for isa in Isa::available() {
@@ -49,9 +50,9 @@ fn what_is_within_is_what_a_loop_finds() {
 
 #[test]
 fn the_nearest_are_the_first_of_all_in_order() {
-    for (name, points, _) in scenes::all(scenes::size(900, 120)) {
+    for (name, points, _) in scenes::all(by_suite(900, 120)) {
         let cloud = PointCloud::new(&points).unwrap();
-        for (i, &query) in queries(&points, scenes::size(150, 30)).iter().enumerate() {
+        for (i, &query) in queries(&points, by_suite(150, 30)).iter().enumerate() {
             let mut all: Vec<_> = (0..).zip(&points).map(|(index, p)| (square(query, *p), index)).collect();
             all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             for isa in Isa::available() {

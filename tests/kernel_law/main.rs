@@ -30,7 +30,7 @@ use overlaps::{
 use primitive_slabs::primitive_slabs_equal_the_scalar_kernel;
 use realign::{any_alignment, realignments_equal_the_scalar_kernel};
 use simdop::isa::{Isa, IsaError, on_isa};
-use support::data::notice;
+use support::data::{by_suite, notice};
 
 /// The instruction set, if this machine has it. If not, prints a notice.
 fn available(name: &str) -> Option<Isa> {
@@ -128,11 +128,9 @@ laws!(scalar neon avx2 avx512);
 
 /// Pairs of nodes per k: `SIMDOP_PAIRS`, or a number that is quickly tested.
 fn pairs() -> u64 {
-    let full = std::env::var("SIMDOP_SUITE").is_ok_and(|suite| suite == "full");
     match std::env::var("SIMDOP_PAIRS") {
         Ok(pairs) => pairs.parse().expect("SIMDOP_PAIRS is a number"),
         Err(_) if cfg!(miri) => 3,
-        Err(_) if full => 100_000,
-        Err(_) => 4_000,
+        Err(_) => by_suite(100_000, 4_000),
     }
 }

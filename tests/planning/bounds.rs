@@ -86,7 +86,7 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
             insert_obstacles(&mut exact, problem);
             let mut bounded = exact.clone();
             bounded.use_bounds(CELL).unwrap();
-            let count = (all / (2 * problems.len())).max(1000) / suite_step() + 17;
+            let count = (all / (2 * problems.len())).max(1000 / suite_step()) + 17;
             let values = random(&exact, &mut rng, count);
             decided += compare(&exact, &bounded, &values);
             asked += count;

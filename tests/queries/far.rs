@@ -1,7 +1,7 @@
 //! Distances and margins of bodies that are far apart or differ greatly in size, against brute force in exact
 //! integers. They cost no more than those of close bodies.
 
-use crate::support::data::{MeshData, suite_step};
+use crate::support::data::{MeshData, by_suite, suite_step};
 use crate::support::exact::Tri;
 use crate::support::exact_distance::{exact_distance, mesh_distance};
 use crate::support::rng::Rng;
@@ -294,15 +294,10 @@ fn work(
         .sum()
 }
 
-/// The full suite has all of so many cases, the others a third or at least one.
-fn fewer(all: usize) -> usize {
-    if suite_step() == 1 { all } else { all.div_ceil(3) }
-}
-
 #[test]
 fn far_distances_cost_no_more_than_near_ones() {
     for (size, tolerances) in [(1.0, [0.0, 0.01]), (1e-6, [0.05, 0.01]), (1e6, [0.05, 0.01])] {
-        for tolerance in tolerances.into_iter().take(fewer(2)) {
+        for tolerance in tolerances.into_iter().take(by_suite(2, 1)) {
             let larger = f64::max(size, 1.0);
             let work = |offset: f64| {
                 work(offset * larger, size, |query, a, b, pose, _| {
@@ -311,7 +306,7 @@ fn far_distances_cost_no_more_than_near_ones() {
                 })
             };
             let near = work(1.0);
-            for offset in [1e2, 1e6, 10.0, 4e2, 1e3, 1e9].into_iter().take(fewer(6)) {
+            for offset in [1e2, 1e6, 10.0, 4e2, 1e3, 1e9].into_iter().take(by_suite(6, 2)) {
                 let far = work(offset);
                 println!("size {size:e}, tolerance {tolerance}: {far} at {offset:e}, {near} at 1");
                 assert!(
@@ -326,7 +321,7 @@ fn far_distances_cost_no_more_than_near_ones() {
 /// Margins just below and just above the distance.
 #[test]
 fn large_margins_cost_no_more_than_distances() {
-    for offset in [1.0, 1e3, 10.0, 1e6].into_iter().take(fewer(4)) {
+    for offset in [1.0, 1e3, 10.0, 1e6].into_iter().take(by_suite(4, 2)) {
         let margin = |share: f64| {
             work(offset, 1.0, |query, a, b, pose, _| {
                 let distance = query.distance(&a.view(), &b.view(), pose, 0.0).unwrap();

@@ -7,7 +7,7 @@
 
 use crate::one_point::{NO_EXTENT, OnePoint, for_each_k};
 use crate::support::codes::SPECIAL;
-use crate::support::data::{MeshData, suite_step};
+use crate::support::data::{MeshData, by_suite, suite_step};
 use crate::support::dyadic::{Dyadic, apart_along, dot, dot_rounded};
 use crate::support::exact::{Tri, meeting_pairs};
 use crate::support::rng::Rng;
@@ -492,7 +492,7 @@ fn unlike_bodies<N: Lanes>() {
     let mut rng = Rng::new(600 + N::K as u64);
     let mut apart = Apart::default();
     let mut met = 0_u64;
-    for i in 0..(1600 / suite_step().pow(2)).max(80) {
+    for i in 0..by_suite(1600, 80) {
         let scale = *rng.pick(&[1.0, 0.1, 1e-2, 1e-4, 1e-7]);
         let large = if rng.below(4) == 0 { shapes::torus(7, 9) } else { shapes::soup(&mut rng, 3, 1.0) };
         let mut small = shapes::torus(9, 7);

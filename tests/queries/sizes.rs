@@ -7,7 +7,7 @@
 
 use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed, moved};
 use crate::support::corners::{inverse, near_corners};
-use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::data::{MeshData, by_suite, directory, suite_step};
 use crate::support::exact_distance::mesh_distance;
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, room, scaled, separate, wavy_torus};
@@ -18,11 +18,6 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::range::MAX_COORDINATE;
 use std::collections::BTreeSet;
-
-/// The first number for the full suite, else the second.
-fn size(full: u32, small: u32) -> u32 {
-    if suite_step() == 1 { full } else { small }
-}
 
 /// The sizes of the two bodies.
 const SIZES: [(f64, f64); 10] = [
@@ -39,7 +34,7 @@ const SIZES: [(f64, f64); 10] = [
 ];
 
 fn torus_and_room() -> [(&'static str, MeshData); 2] {
-    [("torus", wavy_torus(size(2000, 512))), ("room", room(size(3000, 640)))]
+    [("torus", wavy_torus(by_suite(2000, 512))), ("room", room(by_suite(3000, 640)))]
 }
 
 #[test]
@@ -48,7 +43,7 @@ fn answers_are_exact_at_every_ratio_of_sizes() {
         let scenes = SIZES.iter().step_by(suite_step().min(3)).flat_map(|&(small, large)| {
             let name = format!("{name}, {small:e} against {large:e}");
             let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
-            Scene::both_ways(&name, &small, &large, &large, size(8, 4))
+            Scene::both_ways(&name, &small, &large, &large, by_suite(8, 4))
         });
         check_all(scenes);
     }
@@ -58,11 +53,11 @@ fn answers_are_exact_at_every_ratio_of_sizes() {
 /// body's coordinates are the greatest.
 #[test]
 fn answers_are_exact_in_every_unit() {
-    let body = wavy_torus(size(800, 200));
+    let body = wavy_torus(by_suite(800, 200));
     let units = [1e-68, 1e-60, 1e-40, 1e-20, 1e-9, 1e9, 1e20, 1e40, 1e60, 5e89];
     check_all(units.into_iter().flat_map(|unit| {
         let (small, large) = (scaled(&body, 1e-3 * unit, [0.0; 3]), scaled(&body, unit, [0.0; 3]));
-        Scene::both_ways(&format!("unit {unit:e}"), &small, &large, &large, size(8, 3))
+        Scene::both_ways(&format!("unit {unit:e}"), &small, &large, &large, by_suite(8, 3))
     }));
 }
 
@@ -87,7 +82,7 @@ fn units_beyond_the_range_are_refused() {
     check_all([1e-75, 5e-76, 3e-76].into_iter().flat_map(|unit| {
         let small = scaled(&body, unit, [0.0; 3]);
         assert!(small.corners() != flushed(small.corners()), "{unit:e}: some coordinates are too small");
-        Scene::both_ways(&format!("unit {unit:e}"), &small, &small, &small, size(8, 6))
+        Scene::both_ways(&format!("unit {unit:e}"), &small, &small, &small, by_suite(8, 6))
     }));
 }
 
@@ -96,7 +91,7 @@ fn units_beyond_the_range_are_refused() {
 /// realignment matter.
 #[test]
 fn answers_are_exact_far_from_the_origin() {
-    let body = wavy_torus(size(800, 200));
+    let body = wavy_torus(by_suite(800, 200));
     let away = [0.48, -0.6, 0.64];
     let shifted = |factor: f64, diagonals: f64| {
         let by = diagonals * factor * body.diagonal();
@@ -108,7 +103,7 @@ fn answers_are_exact_far_from_the_origin() {
         let scenes = |factor| {
             let (small, large) = (shifted(factor, of_small), shifted(1.0, of_large));
             let name = format!("{factor:e} of the size, {of_small:e} and {of_large:e} diagonals away");
-            Scene::both_ways(&name, &small, &large, &large, size(6, 2))
+            Scene::both_ways(&name, &small, &large, &large, by_suite(6, 2))
         };
         [1.0, 1e-3].into_iter().flat_map(scenes).collect::<Vec<_>>()
     }));
@@ -153,7 +148,7 @@ fn stray_parts_change_no_answer() {
             append(&mut mesh, &separate([[[far, 0.0, 0.0], [far, 0.5 * far, 0.0], [far, 0.0, 0.1 * far]]]));
             mesh
         };
-        let poses = near_corners(&small, &body, 0.5, size(4, 2) as usize, &mut Rng::new(way as u64));
+        let poses = near_corners(&small, &body, 0.5, by_suite(4, 2) as usize, &mut Rng::new(way as u64));
         for (a, b) in
             [(stray(&small), body.clone()), (small.clone(), stray(&body)), (stray(&small), stray(&body))]
         {
@@ -179,16 +174,16 @@ fn stray_parts_change_no_answer() {
 fn margins_are_kept_at_every_ratio_of_sizes() {
     for (name, mesh) in torus_and_room() {
         let mut apart = 0;
-        for (small, large) in SIZES.into_iter().step_by(size(1, 2) as usize) {
+        for (small, large) in SIZES.into_iter().step_by(by_suite(1, 2) as usize) {
             let name = format!("{name}, {small:e} against {large:e}");
             let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
-            for scene in Scene::both_ways(&name, &small, &large, &large, size(3, 2)) {
+            for scene in Scene::both_ways(&name, &small, &large, &large, by_suite(3, 2)) {
                 apart += scene.judged.len() - scene.hits();
                 check_margins::<Node16<18>>(&scene);
                 check_margins::<Node4<14>>(&scene);
             }
         }
-        assert!(apart > SIZES.len() / size(1, 2) as usize, "{apart} poses apart are few");
+        assert!(apart > SIZES.len() / by_suite(1, 2) as usize, "{apart} poses apart are few");
     }
 }
 
@@ -196,7 +191,7 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
 /// triangles may be tested.
 #[test]
 fn distances_beside_large_triangles_take_little_work() {
-    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(8000, 2000)));
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(by_suite(8000, 2000)));
     for scale in [0.05, 1e-3, 1e-5] {
         let small = scaled(&torus, scale, [0.0; 3]);
         let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
@@ -207,7 +202,7 @@ fn distances_beside_large_triangles_take_little_work() {
             let turn = rng.rotation();
             core::array::from_fn(|j| [turn[j][0], turn[j][1], turn[j][2], place[j]])
         };
-        let poses: Vec<_> = (0..size(8, 4)).map(&mut pose).collect();
+        let poses: Vec<_> = (0..by_suite(8, 4)).map(&mut pose).collect();
         let back: Vec<_> = poses.iter().map(inverse).collect();
         for (a, b, poses) in [(&small, &cube, poses), (&cube, &small, back)] {
             let (a_tree, b_tree) = (build::<Node16<18>>(a).unwrap(), build::<Node16<18>>(b).unwrap());
@@ -238,7 +233,7 @@ fn distances_beside_large_triangles_take_little_work() {
 /// A pending large triangle keeps culling a small body's nodes without rotating them into the triangle's frame.
 #[test]
 fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
-    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(20_000, 5000)));
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(by_suite(20_000, 5000)));
     for scale in [1e-3, 1e-4] {
         let small = scaled(&torus, scale, [0.0; 3]);
         let poses = near_corners(&small, &cube, 0.3, 40, &mut Rng::new(5));
@@ -260,7 +255,7 @@ fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
 #[test]
 fn answers_are_exact_at_details_of_scenes() {
     for (name, mesh) in torus_and_room() {
-        check_all(Scene::both_ways_at_a_detail(name, &mesh, size(12, 6)));
+        check_all(Scene::both_ways_at_a_detail(name, &mesh, by_suite(12, 6)));
     }
 }
 
@@ -269,14 +264,14 @@ fn answers_are_exact_on_real_meshes_of_unlike_size() {
     let Some(data) = directory() else { return };
     let read = |file: &str| MeshData::obj(&data.join(file));
     let (cow, hall) = (read("meshes/cow.obj"), read("planning/unc_env.obj"));
-    let poses = size(12, 2);
+    let poses = by_suite(12, 2);
     let mut scenes = Vec::new();
-    for factor in [0.01, 0.1, 1e-4, 1e-6].into_iter().take(size(4, 1) as usize) {
+    for factor in [0.01, 0.1, 1e-4, 1e-6].into_iter().take(by_suite(4, 1) as usize) {
         let small = scaled(&cow, factor, [0.0; 3]);
         scenes.extend(Scene::both_ways(&format!("cow, {factor:e}"), &small, &cow, &cow, poses));
     }
     // The hall is in millimetres.
-    for link in ["finger", "hand"].into_iter().take(size(2, 1) as usize) {
+    for link in ["finger", "hand"].into_iter().take(by_suite(2, 1) as usize) {
         let link = scaled(&read(&format!("robots/panda/meshes/{link}.obj")), 1e3, [0.0; 3]);
         scenes.extend(Scene::both_ways("a link in a hall", &link, &hall, &hall, poses));
     }

@@ -1,7 +1,7 @@
 //! Half floats and fixed point: the same verdicts, and bytes that are read in their own storage.
 
 use crate::build;
-use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::data::{MeshData, by_suite, directory};
 use crate::support::rng::Rng;
 use crate::support::shapes;
 use core::mem::offset_of;
@@ -13,11 +13,6 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::{Completion, Lanes, Pair, Query};
-
-/// The first number for the full suite, else the second.
-fn size(full: usize, small: usize) -> usize {
-    if suite_step() == 1 { full } else { small }
-}
 
 /// Trees of one mesh in both storages.
 struct Both<F: Lanes, H: Lanes> {
@@ -100,16 +95,16 @@ fn alike<F: Lanes, H: Lanes>(a: &MeshData, b: &MeshData, reach: f64, poses: usiz
 #[test]
 fn verdicts_are_those_of_fixed_point() {
     let (torus, soup) = (shapes::torus(24, 16), shapes::soup(&mut Rng::new(3), 200, 0.3));
-    alike::<Node16<18>, Node16<18, Half>>(&torus, &soup, 3.0, size(200, 20));
-    alike::<Node4<14>, Node4<14, Half>>(&soup, &soup, 2.0, size(60, 5));
+    alike::<Node16<18>, Node16<18, Half>>(&torus, &soup, 3.0, by_suite(200, 20));
+    alike::<Node4<14>, Node4<14, Half>>(&soup, &soup, 2.0, by_suite(60, 5));
     #[cfg(simdop_all_nodes)]
     {
-        alike::<Node16<14>, Node16<14, Half>>(&soup, &soup, 2.0, size(60, 5));
-        alike::<Node4<18>, Node4<18, Half>>(&torus, &torus, 4.0, size(60, 5));
+        alike::<Node16<14>, Node16<14, Half>>(&soup, &soup, 2.0, by_suite(60, 5));
+        alike::<Node4<18>, Node4<18, Half>>(&torus, &torus, 4.0, by_suite(60, 5));
     }
     if let Some(data) = directory() {
         let cow = MeshData::obj(&data.join("meshes/cow.obj"));
-        alike::<Node16<18>, Node16<18, Half>>(&cow, &cow, cow.diagonal(), size(60, 5));
+        alike::<Node16<18>, Node16<18, Half>>(&cow, &cow, cow.diagonal(), by_suite(60, 5));
     }
 }
 
@@ -150,8 +145,8 @@ fn bodies_of_unlike_size_meet_where_they_do_in_fixed_point() {
     for factor in [1e-6, 1e-4, 1e4, 1e6] {
         let other = shapes::scaled(&torus, factor, [0.0; 3]);
         // About where the surface of the larger one is.
-        alike::<Node16<18>, Node16<18, Half>>(&torus, &other, 2.0 * f64::max(1.0, factor), size(60, 6));
-        alike::<Node16<18>, Node16<18, Half>>(&other, &torus, 2.0 * f64::max(1.0, factor), size(60, 6));
+        alike::<Node16<18>, Node16<18, Half>>(&torus, &other, 2.0 * f64::max(1.0, factor), by_suite(60, 6));
+        alike::<Node16<18>, Node16<18, Half>>(&other, &torus, 2.0 * f64::max(1.0, factor), by_suite(60, 6));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::oracle::{Triangle, is_closed};
 use crate::mesh_of;
-use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::data::{MeshData, by_suite, directory};
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, scaled, separate, torus, wavy_torus};
 use crate::support::turns::pose;
@@ -114,11 +114,11 @@ pub(super) fn real_meshes() -> [Vec<(String, MeshData)>; 2] {
     };
     let closed = [
         "meshes/hand.obj",
+        "meshes/cow.obj",
+        "meshes/pinion.obj",
         "meshes/bull.obj",
         "meshes/turbine.obj",
         "meshes/cheese.obj",
-        "meshes/pinion.obj",
-        "meshes/cow.obj",
         "robots/panda/meshes/link5.obj",
         "robots/solo12/meshes/solo_12_base.stl",
         "robots/ur5/meshes/forearm.stl",
@@ -136,8 +136,8 @@ pub(super) fn real_meshes() -> [Vec<(String, MeshData)>; 2] {
         "robots/talos/meshes/knee_lo_res.stl",
         "robots/ur5/meshes/inner_finger_fine.stl",
     ];
-    let step = suite_step().min(4);
-    [closed.iter().step_by(step).map(read).collect(), open.iter().step_by(step).map(read).collect()]
+    let [closed, open] = [by_suite(&closed[..], &closed[..3]), by_suite(&open[..], &open[3..6])];
+    [closed, open].map(|names| names.iter().map(read).collect())
 }
 
 pub(super) fn made() -> Vec<MeshData> {
