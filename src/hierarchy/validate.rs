@@ -6,7 +6,7 @@ use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, MAX_EXPONENT};
 use crate::key::{EMPTY, Key, Storage};
 use crate::node::{Ball16, BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, NormalSlab, Width};
-use crate::primitive::{Fault, Primitive, Sphere, Spheres, Store};
+use crate::primitive::{Fault, Primitive, Sphere, Store};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 use core::ops::Range;
 
@@ -38,11 +38,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
 
     fn validate_packing(&self) -> Result<(), FormatError> {
         let wrong = |problem| Err(FormatError::Packing { problem });
-        let bytes = self.packing_bytes();
-        let Ok(layout) = Layout::of::<N, Spheres>(bytes) else {
-            return wrong("it is no tree of spheres of the same node type and length");
-        };
-        let Some(packing) = BvhRef::<N, Spheres>::of_layout(bytes, &layout) else {
+        // Its node type and length are those of the layout.
+        let Some(packing) = self.packing() else {
             return wrong("it is misaligned");
         };
         if packing.balls.is_empty() {

@@ -31,11 +31,11 @@ impl PlanningScene {
     ) -> Result<MotionAnswer, PlanningError> {
         match self.motion_by_bounds(workspace, ends)? {
             MotionByBounds::Free => Ok(MotionAnswer::new()),
-            MotionByBounds::Hit(time) => self.along(workspace, ends, |scene, motion, memory, _| {
+            MotionByBounds::Hit(time) => self.along(workspace, |scene, motion, memory| {
                 scene.check_motion_at(&self.query, &self.links, motion, time, memory)
             }),
-            MotionByBounds::Open => self.check_open(workspace, ends),
-            MotionByBounds::Unknown => self.check_motion_in_scene(workspace, ends),
+            MotionByBounds::Open => self.check_open(workspace),
+            MotionByBounds::Unknown => self.check_motion_in_scene(workspace),
         }
     }
 
@@ -52,8 +52,8 @@ impl PlanningScene {
         match self.motion_by_bounds(workspace, ends)? {
             MotionByBounds::Free => Ok(true),
             MotionByBounds::Hit(_) => Ok(false),
-            MotionByBounds::Open => Ok(self.check_open(workspace, ends)?.is_free()),
-            MotionByBounds::Unknown => Ok(self.check_motion_in_scene(workspace, ends)?.is_free()),
+            MotionByBounds::Open => Ok(self.check_open(workspace)?.is_free()),
+            MotionByBounds::Unknown => Ok(self.check_motion_in_scene(workspace)?.is_free()),
         }
     }
 
@@ -68,7 +68,8 @@ impl PlanningScene {
         ends: [&[f64]; 2],
         parts: NonZeroU32,
     ) -> Result<MotionAnswer, PlanningError> {
-        self.along(workspace, ends, |scene, motion, memory, _| {
+        self.set_ends(workspace, ends)?;
+        self.along(workspace, |scene, motion, memory| {
             scene.check_motion_discrete(&self.query, &self.links, motion, parts, memory)
         })
     }
@@ -131,27 +132,20 @@ impl PlanningScene {
         Ok(low)
     }
 
-    /// Checks a motion without bounds.
-    fn check_motion_in_scene(
-        &self,
-        workspace: &mut Workspace,
-        ends: [&[f64]; 2],
-    ) -> Result<MotionAnswer, PlanningError> {
-        self.along(workspace, ends, |scene, motion, memory, _| {
+    /// Checks the motion between the ends in the workspace without bounds.
+    fn check_motion_in_scene(&self, workspace: &mut Workspace) -> Result<MotionAnswer, PlanningError> {
+        self.along(workspace, |scene, motion, memory| {
             scene.check_motion(&self.query, &self.links, motion, self.resolution, memory)
         })
     }
 
-    /// Checks what bounds leave open of a motion.
-    fn check_open(
-        &self,
-        workspace: &mut Workspace,
-        ends: [&[f64]; 2],
-    ) -> Result<MotionAnswer, PlanningError> {
-        self.along(workspace, ends, |scene, motion, memory, doubts| {
-            let open = self.screen.as_ref().zip(doubts).into_iter();
-            let open = open.flat_map(|(screen, doubts)| screen.open_spans(doubts));
-            let pending = open.flat_map(|(pair, interval)| {
+    /// Checks what bounds leave open of the motion between the ends in the workspace.
+    fn check_open(&self, workspace: &mut Workspace) -> Result<MotionAnswer, PlanningError> {
+        let Some((screen, doubts)) = self.screen.as_ref().zip(workspace.doubts.take()) else {
+            return self.check_motion_in_scene(workspace);
+        };
+        let answer = self.along(workspace, |scene, motion, memory| {
+            let pending = screen.open_spans(&doubts).flat_map(|(pair, interval)| {
                 let (id, others, own) = match pair {
                     OpenPair::Standing((id, _), others) => (id, others, None),
                     OpenPair::Own([(id, _), (other, _)]) => (id, &[][..], Some(other)),
@@ -159,19 +153,21 @@ impl PlanningScene {
                 others.iter().copied().chain(own).map(move |other| ([id, other], interval))
             });
             scene.check_pending(&self.query, &self.links, motion, self.resolution, memory, pending)
-        })
+        });
+        workspace.doubts = Some(doubts);
+        answer
     }
 
+    /// Writes the ends to the workspace, and decides what bounds decide.
     fn motion_by_bounds(
         &self,
         workspace: &mut Workspace,
         ends: [&[f64]; 2],
     ) -> Result<MotionByBounds, PlanningError> {
-        self.serve(workspace);
+        self.set_ends(workspace, ends)?;
         let Some(screen) = self.screen.as_ref().filter(|_| self.query.budget() == u64::MAX) else {
             return Ok(MotionByBounds::Unknown);
         };
-        self.set_ends(workspace, ends)?;
         check_resolution(self.resolution)?;
         let Some(mut doubts) = workspace.doubts.take() else { return Ok(MotionByBounds::Unknown) };
         let verdict = self.decide_by_bounds(workspace, screen, &mut doubts);
@@ -222,6 +218,7 @@ impl PlanningScene {
 
     /// Writes the values of all variables at both ends to the workspace.
     fn set_ends(&self, workspace: &mut Workspace, ends: [&[f64]; 2]) -> Result<(), PlanningError> {
+        self.serve(workspace);
         let [_, from, to] = &mut workspace.values;
         self.complete(ends[0], from)?;
         self.complete(ends[1], to)?;
@@ -236,24 +233,21 @@ impl PlanningScene {
         Ok(())
     }
 
+    /// Asks the scene of the motion between the ends in the workspace.
     fn along(
         &self,
         workspace: &mut Workspace,
-        ends: [&[f64]; 2],
         check: impl FnOnce(
             &mut Scene<'static, PlanningNode>,
             &mut JointMotion<'_>,
             &mut MotionMemory<'_>,
-            Option<&Doubts>,
         ) -> Result<MotionAnswer, SceneError>,
     ) -> Result<MotionAnswer, PlanningError> {
-        self.serve(workspace);
         workspace.reserve_motion();
-        self.set_ends(workspace, ends)?;
-        let Workspace { scene, links, poses, values: [now, from, to], waiting, doubts, .. } = workspace;
+        let Workspace { scene, links, poses, values: [now, from, to], waiting, .. } = workspace;
         let kinematics = self.kinematics();
         let mut motion = JointMotion::new(kinematics, [from, to], now, links)?;
-        Ok(check(scene, &mut motion, &mut MotionMemory { poses, waiting }, doubts.as_ref())?)
+        Ok(check(scene, &mut motion, &mut MotionMemory { poses, waiting })?)
     }
 
     /// The configuration at a fraction, from 0 to 1, of the straight motion between two others.

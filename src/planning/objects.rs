@@ -49,15 +49,10 @@ impl PlanningScene {
     pub fn remove(&mut self, object: BodyId) -> Result<Body<'static, PlanningNode>, PlanningError> {
         self.check_object(object)?;
         let before = self.scene.bounds_of(object)?;
-        let was_attached = self.scene.attached_to(object)?.is_some();
         let body = self.scene.remove(object)?;
         self.objects.retain(|(id, _)| *id != object);
         self.stamp = stamp();
-        if was_attached {
-            self.set_screen();
-        } else {
-            self.update_screen(object, Some(before));
-        }
+        self.update_screen(object, Some(before));
         Ok(body)
     }
 

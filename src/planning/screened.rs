@@ -91,8 +91,9 @@ impl PlanningScene {
     /// removed.
     pub(super) fn update_screen(&mut self, id: BodyId, before: Option<Box3>) {
         match self.screen.take() {
-            None => self.set_screen(),
-            Some(screen) => self.screen = self.updated_screen(screen, id, before),
+            // An update does not change the bodies that move.
+            Some(screen) if !screen.moves(id) => self.screen = self.updated_screen(screen, id, before),
+            _ => self.set_screen(),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, scaled, torus, wavy_torus};
 use crate::support::turns::pose;
-use crate::{Tree, grid_box, solid};
+use crate::{Tree, grid_box, length, solid, translated};
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, ConvexHull, Mesh};
 use simdop::isa::Isa;
@@ -28,17 +28,8 @@ fn minus(p: &Point, q: &Point) -> Point {
     [0, 1, 2].map(|i| p[i] - q[i])
 }
 
-fn length(p: &Point) -> f64 {
-    dot(p, p).sqrt()
-}
-
 fn point(rng: &mut Rng, far: f64) -> Point {
     [(); 3].map(|()| rng.range(-far, far))
-}
-
-fn translated(at: &Pose, t: Point) -> Pose {
-    let (rows, from) = (at.rows(), at.translation());
-    Pose::from_rows([0, 1, 2].map(|i| [rows[i][0], rows[i][1], rows[i][2], from[i] + t[i]])).unwrap()
 }
 
 /// Solids about as large as 1, convex and not, and of two parts; every other one carries a packing.
@@ -84,7 +75,7 @@ fn translations_of_twelve_pairs(poses: usize, samples: u32, seed: u64) {
             deep += 1;
             let mut hint = Hint::NONE;
             let mut is_free = |t: Point| {
-                let answer = query.with_hint(hint).collide(a, b, &translated(&at, t));
+                let answer = query.with_hint(hint).collide(a, b, &translated(&at, &t));
                 if !answer.is_free() {
                     hint = answer.hint;
                 }

@@ -5,7 +5,7 @@ use crate::support::data::suite_step;
 use crate::support::rng::Rng;
 use crate::support::shapes::{torus, wavy_torus};
 use crate::support::turns::pose;
-use crate::{Tree, grid_box, solid};
+use crate::{Tree, grid_box, length, solid, translated};
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -25,15 +25,6 @@ fn spheres(spheres: &[Sphere]) -> SphereTree {
 fn packing(mesh: &MeshData, count: usize) -> SphereTree {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     spheres(&Packer::new().spheres(count).pack(&mesh).unwrap().spheres)
-}
-
-fn translated(at: &Pose, t: &[f64; 3]) -> Pose {
-    let (rows, from) = (at.rows(), at.translation());
-    Pose::from_rows(core::array::from_fn(|i| [rows[i][0], rows[i][1], rows[i][2], from[i] + t[i]])).unwrap()
-}
-
-fn length(t: &[f64; 3]) -> f64 {
-    t.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Queries on every instruction set. Checks what holds for all answers.

@@ -5,7 +5,7 @@ use crate::support::data::suite_step;
 use crate::support::rng::Rng;
 use crate::support::shapes::torus;
 use crate::support::turns::pose;
-use crate::{grid_box, solid};
+use crate::{grid_box, length, solid, translated};
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Geometry, Mesh, ShapeSet, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -42,15 +42,6 @@ fn shapes(rng: &mut Rng, count: usize) -> Vec<Shape> {
     (0..count).map(|_| shape(rng).unwrap().moved(&pose(&rng.rotation(), point(rng, 1.0)))).collect()
 }
 
-fn length(t: &[f64; 3]) -> f64 {
-    t.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn translated(at: &Pose, t: [f64; 3]) -> Pose {
-    let (rows, from) = (at.rows(), at.translation());
-    Pose::from_rows([0, 1, 2].map(|i| [rows[i][0], rows[i][1], rows[i][2], from[i] + t[i]])).unwrap()
-}
-
 /// Queries on every instruction set. Checks that the translation found is free, and that sampled ones below the lower
 /// bound are not.
 fn depth(a: &Body<'_>, b: &Body<'_>, at: &Pose, samples: u32, rng: &mut Rng) -> DepthInterval {
@@ -59,7 +50,7 @@ fn depth(a: &Body<'_>, b: &Body<'_>, at: &Pose, samples: u32, rng: &mut Rng) -> 
     assert!(all.all(|other| format!("{other:?}") == format!("{found:?}")));
     assert!(found.lower <= found.upper && found.upper < f64::INFINITY, "{found:?}");
     let query = Query::new(Isa::detect());
-    let hit = |t: [f64; 3]| a.collide(&query, b, &translated(at, t)).unwrap().hit().is_some();
+    let hit = |t: [f64; 3]| a.collide(&query, b, &translated(at, &t)).unwrap().hit().is_some();
     assert_eq!(found.upper > 0.0, hit([0.0; 3]), "{found:?}");
     assert!(!hit(found.translation.map(|x| x * (1.0 + 1e-9))), "{found:?}");
     for _ in 0..if found.lower > 0.0 { samples } else { 0 } {

@@ -22,11 +22,22 @@ use crate::support::data::MeshData;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
+use simdop::pose::Pose;
 
 pub(crate) type Tree = Bvh<Node16<18>>;
 
 pub(crate) fn solid(mesh: &MeshData) -> Tree {
     Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+/// The pose, and then a translation.
+pub(crate) fn translated(at: &Pose, t: &[f64; 3]) -> Pose {
+    let (rows, from) = (at.rows(), at.translation());
+    Pose::from_rows(core::array::from_fn(|i| [rows[i][0], rows[i][1], rows[i][2], from[i] + t[i]])).unwrap()
+}
+
+pub(crate) fn length(t: &[f64; 3]) -> f64 {
+    t.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// A box whose faces are grids of `n` by `n` squares of two triangles, watertight.

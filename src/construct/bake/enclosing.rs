@@ -202,11 +202,8 @@ fn solve(rows: &mut [Row]) -> Option<[(f64, f64); 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::Rng;
+    use crate::rng::{CASES_STEP, Rng};
     use alloc::vec::Vec;
-
-    /// CI emulates NEON: a quarter of the cases.
-    const CASES_STEP: usize = if cfg!(simdop_neon) { 4 } else { 1 };
 
     fn point(rng: &mut Rng) -> Point {
         [(); 3].map(|()| rng.range(-100.0, 100.0))

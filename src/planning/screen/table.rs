@@ -135,7 +135,8 @@ pub(super) fn tables(
             let scene = own.get_or_insert_with(|| scene.clone());
             let inside = pair.map(|body| (&spheres[body].inside[..], grids[body].as_ref()));
             let [a, b] = pair.map(|body| ids[body]);
-            *made = Some(PairTable::new(kinematics, scene, &ids, (a, b), variables, more, inside));
+            let table = PairTable::new(kinematics, scene, &ids, (a, b), variables, more, inside);
+            *made = Some(table.map(PairTable::with_surroundings));
         },
     );
     tables.all = made.into_iter().flatten().collect::<Result<_, _>>()?;
@@ -204,15 +205,15 @@ impl PairTable {
                 Some(before) => table.and(before),
             });
         }
-        Ok(all)
+        Ok(all.map(Self::with_surroundings))
     }
 
-    /// The cells that are free in both tables are free; those that meet in either meet.
+    /// Before their surroundings are known: the cells that are free in both tables are free; those that meet in either meet.
     fn and(self, other: Self) -> Self {
         if self.is_free() {
             return other;
         }
-        let says = |(a, b): (&u8, &u8)| match (*a & SAYS, *b & SAYS) {
+        let says = |(a, b): (&u8, &u8)| match (*a, *b) {
             (MEET, _) | (_, MEET) => MEET,
             (FREE, FREE) => FREE,
             _ => ASK,
@@ -221,19 +222,17 @@ impl PairTable {
             true => self.cells,
             false => self.cells.iter().zip(&other.cells).map(says).collect(),
         };
-        let mut both = Self { cells, ..other };
-        both.look_around();
-        both
+        Self { cells, ..other }
     }
 
     /// Writes to each free cell the distance in cells within which all cells are free.
-    fn look_around(&mut self) {
+    fn with_surroundings(mut self) -> Self {
         let count = [0, 1, 2].map(|i| self.axes.get(i).map_or(1, |axis| axis.cells));
         // Distance to the nearest cell that is not free: the largest difference along the axes so far.
         let far = |says: &u8| if *says & SAYS == FREE { 1 + MOST_AROUND } else { 0 };
         let mut away: Vec<usize> = self.cells.iter().map(far).collect();
         let mut line = Vec::new();
-        for axis in 0..3 {
+        for axis in 0..self.axes.len() {
             let stride: usize = count[axis + 1..].iter().product();
             for first in (0..away.len()).filter(|place| (place / stride).is_multiple_of(count[axis])) {
                 line.clear();
@@ -255,6 +254,7 @@ impl PairTable {
         for (cell, away) in self.cells.iter_mut().zip(&away) {
             *cell = (*cell & SAYS) + AROUND * away.saturating_sub(1) as u8;
         }
+        self
     }
 
     fn new(
@@ -291,7 +291,6 @@ impl PairTable {
         if table.cells.iter().all(|says| *says == FREE) {
             table.cells = Vec::new();
         }
-        table.look_around();
         Ok(table)
     }
 

@@ -172,8 +172,13 @@ impl Screen {
         self.update_fields(around, None)
     }
 
-    /// Updates the cells near the boxes around the body `id`, before and after it was inserted, moved or removed. False
-    /// if the bounds no longer apply.
+    /// Whether the body is one of the robot's, or was attached to it when the bounds were made.
+    pub(in crate::planning) fn moves(&self, id: BodyId) -> bool {
+        self.bodies.iter().any(|body| body.id == id)
+    }
+
+    /// Updates the cells near the boxes around the body `id`, before and after it was inserted, moved or removed, and
+    /// which does not move with the robot. False if the bounds no longer apply.
     pub(in crate::planning) fn update(
         &mut self,
         around: &ScreenedScene<'_>,

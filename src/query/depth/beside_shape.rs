@@ -5,12 +5,12 @@
 use super::bodies::slack;
 use super::interval::OutOfBudget;
 use super::overlaps::{DeepestPrimitives, beneath};
-use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, finished, gap_of, spend, verdict_of, widened};
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, depth};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats};
+use crate::query::entry::{Hint, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 use crate::range::{MAX_COORDINATE, Point};
 use crate::vector::{difference, length, unit};
@@ -57,9 +57,7 @@ where
             deepest.offer::<Shapes, Q>((0, &shape), (index, &tree.primitive(index)));
             deepest.go_on()
         });
-        if completion == Completion::OutOfBudget {
-            return Err(OutOfBudget);
-        }
+        finished(completion)?;
         spend(&self.query, &mut self.stats, deepest.computed)?;
         Ok(deepest)
     }

@@ -21,13 +21,13 @@ use super::clusters::{Clusters, crossing, triangle};
 use super::interval::OutOfBudget;
 use super::overlaps::{DeepestPrimitives, beneath, middle};
 use super::packings::{self, DeepestPair, InnerBalls, Packings};
-use super::posed_pair::{PosedPair, Seed, Shared, gap_of, spend, verdict_of, widened};
+use super::posed_pair::{PosedPair, Seed, Shared, finished, gap_of, spend, verdict_of, widened};
 use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::pose::Pose;
 use crate::primitive::shape::{Core, Depth};
 use crate::primitive::{Primitive, Separation, Shape, Shapes, Spheres};
-use crate::query::entry::{Completion, Hint, PrimitivePair, Query, QueryStats, Verdict};
+use crate::query::entry::{Completion, Found, Hint, PrimitivePair, Query, QueryStats, Verdict};
 use crate::query::lanes::Lanes;
 use crate::query::setup::reach;
 use crate::range::{MAX_COORDINATE, Point};
@@ -196,7 +196,7 @@ where
         let sum = of_a + in_b.radius;
         let from_a = self.pose.rotate(&in_a.inwards);
         let (Some(from_b), Some(from_a)) = (unit(&in_b.inwards), unit(&from_a)) else { return Ok(None) };
-        let slack = slack(reach(self.a, self.b, self.pose), t);
+        let slack = self.slack(t);
         Ok(Some(Shared {
             radius: sum - slack,
             point: *point,
@@ -217,16 +217,10 @@ where
     /// The deepest pair among the first few hundred pairs of primitives that meet after a translation.
     fn deepest_primitives(&mut self, pose: &Pose) -> Result<DeepestPrimitives, OutOfBudget> {
         let mut deepest = DeepestPrimitives::new();
-        let (a, b) = (self.a, self.b);
-        let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
-            let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
-            deepest.offer::<P, Q>((found.a, &moved), (found.b, &still));
+        self.for_each_met(pose, |found, moved, still| {
+            deepest.offer::<P, Q>((found.a, moved), (found.b, still));
             deepest.go_on()
-        });
-        self.stats = self.stats.and(&stats);
-        if completion == Completion::OutOfBudget {
-            return Err(OutOfBudget);
-        }
+        })?;
         self.spend(deepest.computed)?;
         Ok(deepest)
     }
@@ -239,7 +233,7 @@ where
         steps: usize,
     ) -> Result<(), OutOfBudget> {
         let deepest = self.deepest_primitives(pose)?;
-        found.0 = f64::max(found.0, deepest.depth.lower - slack(reach(self.a, self.b, self.pose), t));
+        found.0 = f64::max(found.0, deepest.depth.lower - self.slack(t));
         if deepest.depth.lower == 0.0 || !(self.a.is_solid() || self.b.is_solid()) {
             // Convex sets inside the two primitives would be no deeper in each other than these.
             return Ok(());
@@ -259,20 +253,33 @@ where
     /// The contact points of at most [`MOST_PAIRS`] pairs of primitives.
     fn contacts_after(&mut self, pose: &Pose) -> Result<Clusters, OutOfBudget> {
         let (mut clusters, mut pairs) = (Clusters::new(), 0);
-        let (a, b) = (self.a, self.b);
-        let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
-            let (moved, still) = (P::moved(&a.primitive(found.a), pose), b.primitive(found.b));
-            if let (Some(a), Some(b)) = (triangle(P::corners(&moved)), triangle(Q::corners(&still))) {
+        self.for_each_met(pose, |_, moved, still| {
+            if let (Some(a), Some(b)) = (triangle(P::corners(moved)), triangle(Q::corners(still))) {
                 clusters.add(crossing(&a, &b));
             }
             pairs += 1;
             if pairs < MOST_PAIRS { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        })?;
+        Ok(clusters)
+    }
+
+    /// The pairs of primitives that meet after a translation, until `visit` breaks. That of A is moved.
+    fn for_each_met(
+        &mut self,
+        pose: &Pose,
+        mut visit: impl FnMut(Found, &P::Item, &Q::Item) -> ControlFlow<()>,
+    ) -> Result<(), OutOfBudget> {
+        let (a, b) = (self.a, self.b);
+        let (completion, stats) = self.query.after(&self.stats).for_each_found(a, b, pose, &mut |found| {
+            visit(found, &P::moved(&a.primitive(found.a), pose), &b.primitive(found.b))
         });
         self.stats = self.stats.and(&stats);
-        if completion == Completion::OutOfBudget {
-            return Err(OutOfBudget);
-        }
-        Ok(clusters)
+        finished(completion)
+    }
+
+    /// Bounds the rounding of positions after a translation.
+    fn slack(&self, t: &Point) -> f64 {
+        slack(reach(self.a, self.b, self.pose), t)
     }
 }
 
@@ -336,7 +343,7 @@ where
         if found.0 <= wanted
             && let Some(pair) = self.deepest_balls(&pose)?
         {
-            let slack = slack(reach(self.a, self.b, self.pose), t);
+            let slack = self.slack(t);
             found.0 = f64::max(found.0, pair.depth - self.pose.skew() * pair.a.radius - slack);
             if self.a.is_solid() || self.b.is_solid() {
                 let middle = Some(self.middle_of_lens(&pair, &pose));
@@ -458,9 +465,7 @@ impl Query {
             deepest.offer::<Shapes, P>((0, &shape), (index, &body.primitive(index)));
             ControlFlow::Continue(())
         });
-        if completion == Completion::OutOfBudget {
-            return Err(OutOfBudget);
-        }
+        finished(completion)?;
         let Depth { lower, direction, .. } = deepest.depth;
         Ok((lower > 0.0).then(|| InnerBall { radius: lower, inwards: direction.map(|x| -x) }))
     }

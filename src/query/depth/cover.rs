@@ -286,13 +286,10 @@ fn middle([p, q, r]: &[Point; 3]) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::Rng;
+    use crate::rng::{CASES_STEP, Rng};
     use crate::vector::{cross, dot};
     use alloc::vec;
     use alloc::vec::Vec;
-
-    /// CI emulates NEON: a quarter of the cases.
-    const CASES_STEP: usize = if cfg!(simdop_neon) { 4 } else { 1 };
 
     /// Every direction is in some part of a divided sphere, and no farther from its middle than a corner.
     #[test]

@@ -72,6 +72,11 @@ pub(super) fn verdict_of(answer: &Answer) -> Result<bool, OutOfBudget> {
     }
 }
 
+/// An error if an enumeration ran out of budget.
+pub(super) fn finished(completion: Completion) -> Result<(), OutOfBudget> {
+    if completion == Completion::OutOfBudget { Err(OutOfBudget) } else { Ok(()) }
+}
+
 /// Converts a distance after a translation, for bodies that count as meeting up to a margin: see [`PosedPair::gap`].
 pub(super) fn gap_of(found: &Distance, margin: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
     if found.completion != Completion::Complete {

@@ -2,13 +2,10 @@
 
 use super::*;
 use crate::pose::Pose;
-use crate::rng::Rng;
+use crate::rng::{CASES_STEP, Rng};
 use alloc::{vec, vec::Vec};
 use dashu_int::IBig;
 use glam::{DMat3, DVec3};
-
-/// CI emulates NEON: a quarter of the cases.
-const CASES_STEP: usize = if cfg!(simdop_neon) { 4 } else { 1 };
 
 type Exact = [IBig; 3];
 

@@ -1,12 +1,10 @@
 //! Polytopes: the point of their Minkowski difference that is nearest to the origin.
 
 use super::*;
+use crate::rng::CASES_STEP;
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// CI emulates NEON: a quarter of the cases.
-const CASES_STEP: usize = if cfg!(simdop_neon) { 4 } else { 1 };
 
 /// The squared distance between two polytopes, as a ratio. Gilbert's, Johnson's and Keerthi's method with all subsets
 /// of a simplex tried. It ends, since the distance decreases from simplex to simplex.

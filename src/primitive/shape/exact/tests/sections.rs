@@ -3,13 +3,11 @@
 
 use super::nearest::square_between;
 use super::*;
+use crate::rng::CASES_STEP;
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
-
-/// CI emulates NEON: a quarter of the cases.
-const CASES_STEP: usize = if cfg!(simdop_neon) { 4 } else { 1 };
 
 /// Corners of edges of polytopes.
 fn edges(core: &Core) -> Vec<(usize, usize)> {
