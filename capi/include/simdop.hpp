@@ -391,6 +391,13 @@ class body : public detail::shared<simdop_body, simdop_body_destroy> {
         });
     }
 
+    /* A copy of a solid mesh that carries spheres inside it, such as those of pack(): depth() is closer with them. */
+    result<body> packed(view<const sphere> spheres) const {
+        return made([&](simdop_body **packed) {
+            return simdop_body_build_packed(get(), spheres.data()->data(), spheres.size(), packed);
+        });
+    }
+
     static result<body> shape(const simdop_shape &shape) {
         return made([&](simdop_body **body) { return simdop_body_build_shape(&shape, body); });
     }

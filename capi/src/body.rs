@@ -3,7 +3,7 @@
 use crate::boundary::{answered, checked, given, guarded, items, make};
 use crate::error::{Failure, simdop_error};
 use crate::shape::simdop_shape;
-use simdop::construct::{Builder, ConvexHull, Mesh, ShapeSet, SphereSet};
+use simdop::construct::{BuildError, Builder, ConvexHull, Mesh, ShapeSet, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header, VerifyError};
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
@@ -403,6 +403,46 @@ pub extern "C" fn simdop_body_caps(
     })
 }
 
+/// Spheres from an array of x, y, z and the radius of each.
+///
+/// # Safety
+/// As for [`items`], with four numbers for each sphere.
+unsafe fn read_spheres(spheres: *const f64, count: usize) -> Result<Vec<Sphere>, Failure> {
+    // SAFETY: the caller guarantees the length; four numbers in a row are aligned as one.
+    let spheres: &[[f64; 4]] = unsafe { items(spheres.cast(), count, "spheres") }?;
+    Ok(spheres.iter().map(|&[x, y, z, radius]| Sphere { centre: [x, y, z], radius }).collect())
+}
+
+/// Builds a copy of a body, a solid mesh, with `count` spheres inside it, such as those of simdop_pack(), in its bytes.
+/// With them the lower bounds of simdop_depth() are higher; no other query reads them. `spheres` is as for
+/// simdop_body_build_spheres(). Proves that each sphere is inside, in time proportional to the number of spheres times
+/// that of triangles.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_packed(
+    body: Option<&simdop_body>,
+    spheres: *const f64,
+    count: usize,
+    packed: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    fn add<S: Storage>(tree: &[u8], spheres: &[Sphere]) -> Result<Built<S>, Failure> {
+        Ok(Built::Mesh(Builder::new().add_packing(&Bvh::from_bytes(tree)?, spheres)?))
+    }
+
+    make(packed, "packed", || {
+        // SAFETY: the caller guarantees the length.
+        let spheres = unsafe { read_spheres(spheres, count) }?;
+        let body = given(body, "body")?;
+        Ok(simdop_body(match body.view() {
+            AnyView::Fixed(View::Mesh(_)) => Geometry::Fixed(add(body.bytes()?, &spheres)?),
+            AnyView::Half(View::Mesh(_)) => Geometry::Half(add(body.bytes()?, &spheres)?),
+            _ => return Err(BuildError::Packing { problem: "the body is not a mesh" }.into()),
+        }))
+    })
+}
+
 /// Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.
 ///
 /// # Safety
@@ -430,9 +470,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
 ) -> simdop_error {
     make(body, "body", || {
         // SAFETY: the caller guarantees the length; four numbers in a row are aligned as one.
-        let spheres: &[[f64; 4]] = unsafe { items(spheres.cast(), count, "spheres") }?;
-        let sphere = |&[x, y, z, radius]: &[f64; 4]| Sphere { centre: [x, y, z], radius };
-        let spheres: Vec<_> = spheres.iter().map(sphere).collect();
+        let spheres = unsafe { read_spheres(spheres, count) }?;
         let set = SphereSet { spheres: &spheres };
         let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
         body_in!(storage, Spheres, builder.build_geometry(&set, &mut go_on)?)

@@ -28,8 +28,8 @@ mod shape;
 mod version;
 
 pub use body::{
-    simdop_body, simdop_body_build_hull, simdop_body_build_hull_as, simdop_body_build_shape,
-    simdop_body_build_shapes, simdop_body_build_shapes_as, simdop_body_build_solid,
+    simdop_body, simdop_body_build_hull, simdop_body_build_hull_as, simdop_body_build_packed,
+    simdop_body_build_shape, simdop_body_build_shapes, simdop_body_build_shapes_as, simdop_body_build_solid,
     simdop_body_build_solid_with_caps, simdop_body_build_spheres, simdop_body_build_spheres_as,
     simdop_body_build_surface, simdop_body_build_triangles_as, simdop_body_bytes, simdop_body_caps,
     simdop_body_destroy, simdop_body_open, simdop_body_verify, simdop_caps, simdop_storage,

@@ -698,6 +698,10 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
         errors.push(simdop_body_build_hull_as(numbers, 4, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres_as(null(), 1, 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres_as(numbers, 3, 1, None));
+        errors.push(handle(|packed| simdop_body_build_packed(None, numbers, 1, packed)).unwrap_err());
+        let ball = shape(&BALL).unwrap();
+        errors.push(handle(|packed| simdop_body_build_packed(Some(&ball), null(), 1, packed)).unwrap_err());
+        errors.push(simdop_body_build_packed(Some(&ball), numbers, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres(numbers, 3, None));
         errors.push(handle(|body| simdop_body_build_shapes(null(), 1, body)).unwrap_err());

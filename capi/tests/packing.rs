@@ -2,15 +2,21 @@
 
 mod support;
 
-use simdop::construct::{Mesh, OwnedMesh};
+use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half, Storage};
+use simdop::node::Node16;
 use simdop::packing::Packer;
 use simdop::primitive::Sphere;
 use simdop::query::{Completion, Query};
 use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::ptr::null_mut;
-use support::{BALL, Rng, answer, bytes, open, pose, shape, sphere_sets_of, spheres, surface};
+use support::{
+    BALL, Rng, answer, bytes, handle, number, open, pose, shape, solid, sphere_sets_of, spheres, surface,
+    triangles_as,
+};
 
 fn flat(spheres: &[Sphere]) -> Vec<[f64; 4]> {
     spheres.iter().map(|s| [s.centre[0], s.centre[1], s.centre[2], s.radius]).collect()
@@ -97,10 +103,63 @@ fn faulty_meshes_and_errors_have_codes() {
     assert_eq!(cover(&open, 0.1, true, 9).0, simdop_error::BuildOpen);
 }
 
+fn packed(body: &simdop_body, spheres: &[[f64; 4]]) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|packed| unsafe {
+        simdop_body_build_packed(Some(body), spheres.as_ptr().cast(), spheres.len(), packed)
+    })
+}
+
+#[test]
+fn packed_bodies_are_the_librarys_and_have_closer_depths() {
+    fn check<S: Storage>() {
+        let cube = OwnedMesh::cuboid([1.0; 3]).unwrap();
+        let (found, _) = pack(&cube.as_mesh(), 30, None, null_mut()).unwrap();
+        let plain = triangles_as(&cube.as_mesh(), true, number::<S>()).unwrap();
+        let with = packed(&plain, &found).unwrap();
+        let tree: Bvh<Node16<18, S>> = Builder::new().solid().build_as(&cube.as_mesh()).unwrap();
+        let spheres = Packer::new().spheres(30).pack(&cube.as_mesh()).unwrap().spheres;
+        assert_eq!(bytes(&with), Builder::new().add_packing(&tree, &spheres).unwrap().as_bytes());
+        // Bytes that were opened in place can be packed, too, and a packing is replaced.
+        assert_eq!(bytes(&packed(&open(bytes(&with)).unwrap(), &found).unwrap()), bytes(&with));
+
+        let at = simdop_pose { rows: [[1.0, 0.0, 0.0, 0.875], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+        let lower = |body: &simdop_body| {
+            let (body, at) = (Some(body), Some(&at));
+            answer(|to| simdop_depth(body, body, at, 60, to)).unwrap().lower
+        };
+        assert!(lower(&with) > lower(&plain) && lower(&with) <= 0.125, "{} {}", lower(&with), lower(&plain));
+    }
+    check::<Fixed>();
+    check::<Half>();
+}
+
+#[test]
+fn packings_that_are_none_have_codes() {
+    let cube = OwnedMesh::cuboid([1.0; 3]).unwrap();
+    let solid = solid(&cube.as_mesh()).unwrap();
+    let code = |body: &simdop_body, spheres: &[[f64; 4]]| packed(body, spheres).unwrap_err();
+    let inside = [0.0, 0.0, 0.0, 0.25];
+    assert_eq!(code(&solid, &[]), simdop_error::BuildPacking);
+    assert_eq!(code(&solid, &[inside, [0.0, 0.0, 0.3, 0.25]]), simdop_error::BuildNotInside);
+    assert_eq!(code(&solid, &[[0.0, 0.0, 0.0, -1.0]]), simdop_error::BuildRadius);
+    assert_eq!(code(&surface(&cube.as_mesh()).unwrap(), &[inside]), simdop_error::BuildPacking);
+    assert_eq!(code(&shape(&BALL).unwrap(), &[inside]), simdop_error::BuildPacking);
+    assert_eq!(code(&spheres(&[inside]).unwrap(), &[inside]), simdop_error::BuildPacking);
+
+    // The packing, a tree of its own, comes last.
+    let with = packed(&solid, &[inside]).unwrap();
+    let with = bytes(&with);
+    let mut damaged = simdop::hierarchy::Aligned([0; 4096]);
+    damaged.0[..with.len()].copy_from_slice(with);
+    damaged.0[with.len() - 1] ^= 0xff;
+    assert_eq!(open(&damaged.0[..with.len()]).unwrap_err(), simdop_error::BytesPacking);
+}
+
 #[test]
 fn penetrations_are_the_librarys() {
     let mut rng = Rng::new(31);
-    let sets = sphere_sets_of::<simdop::low_level::key::Fixed>(&mut rng);
+    let sets = sphere_sets_of::<Fixed>(&mut rng);
     let mut met = 0;
     for _ in 0..40 {
         let (c_pose, at) = pose(&mut rng);

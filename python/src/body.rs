@@ -383,6 +383,12 @@ impl PyBody {
         .map(Self::from)
     }
 
+    /// The same solid mesh with at most ``spheres`` disjoint spheres inside it, the largest first: ``depth`` then has
+    /// closer bounds. Nothing else reads them. They are part of ``to_bytes``.
+    fn with_packing(&self, py: Python<'_>, spheres: usize) -> PyResult<Self> {
+        py.detach(|| self.0.with_packing(spheres)).map(Self::from)
+    }
+
     /// Cover a mesh with spheres: they contain all of it, and no point farther than ``error`` from it.
     ///
     /// With ``solid``, they also cover what the mesh encloses; by default if the mesh is a solid. A cover pays if it is

@@ -8,6 +8,7 @@ use simdop::construct::{Builder, ConvexHull, Mesh, OwnedMesh, ShapeSet, SphereSe
 use simdop::hierarchy::{Bvh, BvhRef, FormatError};
 use simdop::mesh_io::MeshData;
 use simdop::node::Node16;
+use simdop::packing::Packer;
 use simdop::primitive::shape::{Convex, Core};
 use simdop::primitive::{Kind, Primitive, Shape, Sphere, Triangles};
 use simdop::range::Point;
@@ -166,6 +167,23 @@ impl Geometry {
             BodyTree::Mesh(tree) => Ok(MeshData::of(&in_order(&tree))),
             _ => Err(self.wrong_kind(what, "a mesh")),
         }
+    }
+
+    /// A mesh with spheres inside it.
+    pub(crate) fn with_packing(&self, spheres: usize) -> PyResult<Self> {
+        const WHAT: &str = "Body.with_packing";
+        let Self::Tree(SharedTree::Mesh(tree)) = self else { return Err(self.wrong_kind(WHAT, "a mesh")) };
+        if !tree.view().is_solid() {
+            return Err(raise_as::<raised::BuildError>(format!("{WHAT} needs a solid, not a surface")));
+        }
+        let (mut mesh, width) = (self.mesh_data(WHAT)?, tree.view().cap_stats().width);
+        if width > 0.0 {
+            let caps = mesh.as_mesh().caps(width).or_raise()?;
+            mesh.triangles.extend(caps.triangles);
+        }
+        let spheres = Packer::new().spheres(spheres).pack(&mesh.as_mesh()).or_raise()?.spheres;
+        let packed = Builder::new().add_packing(tree, &spheres).or_raise()?;
+        Ok(Self::Tree(SharedTree::Mesh(Arc::new(packed))))
     }
 
     /// The spheres, in the order of the array that the body was built from.

@@ -50,6 +50,23 @@ def test_boxes_have_closed_forms(body: Body, other: Body) -> None:
     assert body.depth_along(other, [1, 0, 0], at(0, -1.75)) == 0.0
 
 
+def test_packings_bring_the_bounds_closer() -> None:
+    vertices, faces = box()
+    for solid in (CUBE, Body(vertices, faces[1:], solid=True, caps=2.0)):
+        packed, there = solid.with_packing(30), at(0.875, 0.25, 0.125)
+        plain, found = solid.depth(solid, there, budget=60), packed.depth(packed, there, budget=60)
+        assert plain.lower < found.lower <= 0.125 <= found.upper
+        for copy in (Body.from_bytes(packed.to_bytes()), pickle.loads(pickle.dumps(packed))):
+            assert copy.to_bytes() == packed.to_bytes()
+            assert copy.depth(copy, there, budget=60).lower == found.lower
+        assert packed.signed_distance(solid, at(0, -1.75)).upper == solid.signed_distance(solid, at(0, -1.75)).upper
+    for other in (Body(vertices, faces), Body.hull(vertices), Body.sphere(1.0)):
+        with pytest.raises(simdop.Error, match=r"Body\.with_packing needs a"):
+            other.with_packing(5)
+    with pytest.raises(simdop.BuildError, match="no spheres"):
+        CUBE.with_packing(0)
+
+
 def test_hulls_have_the_depth_of_their_difference(rng: np.random.Generator) -> None:
     meeting = 0
     for pose in poses(rng, 60, 2.0):

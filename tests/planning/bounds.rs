@@ -1,7 +1,7 @@
 //! Bounds change no verdict: `free` with bounds against `free` without.
 
 use super::{arm, at, scene};
-use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS};
+use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS, street};
 use crate::support::data::{directory, suite_step};
 use crate::support::rng::Rng;
 use simdop::construct::{Builder, OwnedMesh};
@@ -70,12 +70,15 @@ fn in_one_workspace(scene: &PlanningScene, workspace: &mut Workspace, values: &[
     assert_eq!(free, scene.free(values).unwrap());
 }
 
-/// 100,000 configurations in the full suite, or the number in `SIMDOP_CONFIGURATIONS`.
+/// The number in `SIMDOP_CONFIGURATIONS`, or 100,000 in the full suite.
+fn configurations() -> usize {
+    std::env::var("SIMDOP_CONFIGURATIONS").map_or(100_000 / suite_step(), |count| count.parse().unwrap())
+}
+
 #[test]
 fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
     let Some(folder) = directory() else { return };
-    let all =
-        std::env::var("SIMDOP_CONFIGURATIONS").map_or(100_000 / suite_step(), |count| count.parse().unwrap());
+    let all = configurations();
     for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
         let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
         let problems = setting.problems(&folder, &other, 70 * suite_step());
@@ -93,6 +96,27 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
         }
         assert!(decided * 10 > asked * 6, "{}: {decided} of {asked}", setting.name);
     }
+}
+
+/// Every other thousand is from the middle of the limits: most others are hits of the robot with itself.
+#[test]
+#[ignore = "minutes: the bounds of the Talos"]
+fn verdicts_of_the_talos_in_a_scan_are_those_of_the_scene() {
+    let Some(folder) = directory() else { return };
+    let exact = street::scene(&folder);
+    let mut bounded = exact.clone();
+    bounded.use_bounds(CELL).unwrap();
+    let (mut rng, mut decided, mut free, mut asked) = (Rng::new(29), 0, 0, 0);
+    while asked < configurations() {
+        let margin = [0.35, 0.0][asked / 1000 % 2];
+        let each = (0..1000).flat_map(|_| exact.random(|| rng.range(margin, 1.0 - margin)));
+        let values: Vec<f64> = each.collect();
+        decided += compare(&exact, &bounded, &values);
+        free += exact.free(&values).unwrap().iter().filter(|is_free| **is_free).count();
+        asked += 1000;
+    }
+    println!("{free} of {asked} free, bounds decide {decided}");
+    assert!(free * 50 > asked && free * 2 < asked && decided * 2 > asked, "{free} and {decided} of {asked}");
 }
 
 /// Motions of all lengths, from ends of the problems and between random configurations.

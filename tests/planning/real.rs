@@ -4,6 +4,8 @@
 mod planning_scenes;
 #[path = "../../benches/support/robots.rs"]
 pub(crate) mod robots;
+#[path = "../../benches/support/street.rs"]
+pub(crate) mod street;
 
 pub(crate) use planning_scenes::{insert_obstacles, values};
 

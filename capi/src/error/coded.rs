@@ -61,6 +61,7 @@ impl Coded for FormatError {
             Self::Source { .. } => simdop_error::BytesSource,
             Self::Part { .. } => simdop_error::BytesPart,
             Self::Caps { .. } => simdop_error::BytesCaps,
+            Self::Packing { .. } => simdop_error::BytesPacking,
             _ => simdop_error::Other,
         }
     }
@@ -77,6 +78,8 @@ impl Coded for BuildError {
             Self::Open { .. } => simdop_error::BuildOpen,
             Self::Hole { .. } => simdop_error::BuildHole,
             Self::TooManyCaps { .. } => simdop_error::BuildTooManyCaps,
+            Self::Packing { .. } => simdop_error::BuildPacking,
+            Self::NotInside { .. } => simdop_error::BuildNotInside,
             _ => simdop_error::Other,
         }
     }

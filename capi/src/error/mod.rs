@@ -66,6 +66,8 @@ pub enum simdop_error {
     BytesCaps = 33,
     /// A volume of the tree does not contain a primitive below it, or a cap does not close the surface.
     BytesVolume = 34,
+    /// The tree of the packing in the bytes is invalid.
+    BytesPacking = 35,
 
     /// A vertex is NaN, infinite or beyond 2^300, or a shape extends beyond 2^300.
     BuildVertex = 40,
@@ -83,6 +85,10 @@ pub enum simdop_error {
     BuildHole = 46,
     /// The holes of a mesh would take more than 16,384 triangles to cap.
     BuildTooManyCaps = 47,
+    /// A packing is added to a body that is not a solid mesh, or has no spheres.
+    BuildPacking = 48,
+    /// A sphere of a packing is not inside the solid.
+    BuildNotInside = 49,
 
     /// A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
     ShapeLength = 50,
@@ -206,7 +212,7 @@ pub enum simdop_error {
     PlannerCell = 146,
 }
 
-const TEXTS: [(simdop_error, &CStr); 90] = [
+const TEXTS: [(simdop_error, &CStr); 93] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -236,6 +242,7 @@ const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::BytesOtherStorage, c"the planes of the tree are neither fixed point nor half floats"),
     (simdop_error::BytesCaps, c"the tree of the caps is invalid"),
     (simdop_error::BytesVolume, c"a volume of the tree does not contain the primitives below it"),
+    (simdop_error::BytesPacking, c"the tree of the packing is invalid"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or it extends beyond 2^300"),
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
@@ -244,6 +251,8 @@ const TEXTS: [(simdop_error, &CStr); 90] = [
     (simdop_error::BuildNoSuchStorage, c"a storage is not one of simdop_storage"),
     (simdop_error::BuildHole, c"a mesh has a hole that is wider than the limit"),
     (simdop_error::BuildTooManyCaps, c"the holes of a mesh would take too many triangles to cap"),
+    (simdop_error::BuildPacking, c"the body is not a solid mesh, or the packing has no spheres"),
+    (simdop_error::BuildNotInside, c"a sphere of a packing is not inside the solid"),
     (simdop_error::ShapeLength, c"a radius, side or height of a shape is out of range"),
     (simdop_error::ShapeCoordinate, c"a coordinate of a shape is not finite, or out of range"),
     (simdop_error::ShapeNoDirection, c"the normal of a half-space is zero"),

@@ -129,6 +129,10 @@ void two_bodies() {
     const auto packing = must(simdop::pack(tetrahedron(), 20));
     EXPECT(packing.spheres.size() == 20 && is_near(packing.volume, 1.0 / 6));
     EXPECT(packing.share > 0.4 && packing.share < 1);
+    const simdop::body plain = must(simdop::body::solid(tetrahedron()));
+    const simdop::body packed = must(plain.packed(packing.spheres));
+    EXPECT(must(packed.bytes()).size() > must(plain.bytes()).size());
+    EXPECT(code_of([&] { return packed.packed({}); }) == SIMDOP_ERROR_BUILD_PACKING);
     EXPECT(must(simdop::cover(tetrahedron(), 0.1, true, 1)).size() > 1);
 }
 

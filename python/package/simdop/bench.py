@@ -14,12 +14,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Body, RangeSearch, isa
+from . import Body, RangeSearch, depths, isa
 from ._arrays import Floats, Triangles
 from .agreement import coal_model, compare, random_poses
 
@@ -231,10 +232,13 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=20_000)
     parser.add_argument("--library", help="libsimdop_capi.so: only what Python adds to the same queries in C")
     parser.add_argument("--agree", type=int, metavar="POSES", help="only compare answers of five meshes with Coal's")
+    parser.add_argument("--depth", type=Path, nargs="+", metavar="MESH", help="only compare depths of closed meshes")
     options = parser.parse_args()
     print(f"simdop on {isa}")
     if options.agree:
         sys.exit(1 if compare(options.agree) else 0)
+    if options.depth:
+        sys.exit(1 if depths.compare(options.depth, options.poses) else 0)
     if options.library:
         interpreter(options.rows, options.poses, options.library)
         return

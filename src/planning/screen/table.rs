@@ -208,7 +208,8 @@ impl PairTable {
         Ok(all.map(Self::with_surroundings))
     }
 
-    /// Before their surroundings are known: the cells that are free in both tables are free; those that meet in either meet.
+    /// Before their surroundings are known: the cells that are free in both tables are free; those that meet in either
+    /// meet.
     fn and(self, other: Self) -> Self {
         if self.is_free() {
             return other;

@@ -31,7 +31,7 @@ mod simplex;
 #[cfg(not(miri))]
 pub(crate) mod tests;
 
-use self::bodies::{Segment, Supported};
+use self::bodies::{Segment, Supported, norm_1};
 use self::margins::{FEW, compare};
 use self::pair_and_margin::PairAndMargin;
 use crate::exact::{power_of_two, two_sum};
@@ -103,6 +103,6 @@ fn compare_on_axis(p: &Point, q: &Point, [r, s, margin]: [f64; 3]) -> Option<boo
 #[inline]
 fn from_point(d: &Point, segment: &Segment, reach: f64) -> Option<bool> {
     let n = difference(d, &segment.nearest(d));
-    let size = (d[0].abs() + d[1].abs() + d[2].abs()) + segment.size();
+    let size = norm_1(d) + segment.size();
     compare(dot(&n, &n), reach, size * power_of_two(-48))
 }

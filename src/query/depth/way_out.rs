@@ -1,7 +1,9 @@
 //! The upper bound of the depth: the shortest translation found after which the bodies are free.
 //!
 //! Along a direction, the search tests translations outwards from those known to be forbidden until one is free, and
-//! bisects between it and the last one that is not. From there a descent approaches the bodies. At a translation t with
+//! bisects between it and the last one that is not. While the lower bound still grows and some way out is known, it
+//! tests only two: a little more than what is forbidden, and a little less than the best. From the shortest free
+//! translation along the direction, a descent approaches the bodies. At a translation t with
 //! the gap g, let n be the unit vector from B's nearest point to A's. Of the translations at which the plane between
 //! these points separates the bodies, `n (n . t - g)` is the nearest to the origin: for convex bodies it is free. For
 //! others it may not be; then the descent goes only part of the way there, or straight towards the origin by g, which
@@ -36,6 +38,8 @@ const LEAST: f64 = power_of_two(-12);
 /// The first step beyond what is forbidden, as a fraction of it; the steps double.
 const FIRST_AHEAD: f64 = power_of_two(-4);
 const MOST_AHEAD: usize = 40;
+/// While the lower bound still grows, bisections of the ratio of a free length to that of a hit.
+const FEW_HALVINGS: usize = 3;
 /// While the lower bound still grows, a free translation is refined only if its direction may allow one as short as
 /// this multiple of the bound.
 const PROMISING: f64 = 1.25;
@@ -120,7 +124,7 @@ impl WayOut {
     }
 
     /// Searches along a direction for a free translation, from what is known to be forbidden to a little less than the
-    /// best translation, and descends from there.
+    /// best translation, and descends from there if it is worth it.
     pub(super) fn try_along(
         &mut self,
         direction: &Point,
@@ -137,18 +141,51 @@ impl WayOut {
         let (mut hit, mut ahead) = (forbidden, FIRST_AHEAD * forbidden);
         for _ in 0..MOST_AHEAD {
             let far = f64::min(forbidden + ahead, most);
-            let t = along.map(|x| x * far);
-            if bodies.is_free(&t)? {
-                self.accept(&t);
-                let is_worth = cover.is_final || hit <= PROMISING * cover.lower();
-                return if is_worth { self.approach(&along, [hit, far], bodies) } else { Ok(()) };
+            if self.is_free_at(&along, far, bodies)? {
+                return self.shorten(&along, [hit, far], cover, bodies);
             }
             if far >= most {
                 break;
             }
-            (hit, ahead) = (far, 2.0 * ahead);
+            let is_thorough = cover.is_final || self.upper == f64::INFINITY;
+            (hit, ahead) = (far, if is_thorough { 2.0 * ahead } else { most });
         }
         Ok(())
+    }
+
+    fn is_free_at(
+        &mut self,
+        along: &Point,
+        far: f64,
+        bodies: &mut impl PosedPair,
+    ) -> Result<bool, OutOfBudget> {
+        let t = along.map(|x| x * far);
+        let is_free = bodies.is_free(&t)?;
+        if is_free {
+            self.accept(&t);
+        }
+        Ok(is_free)
+    }
+
+    /// Seeks a shorter translation between a hit and a free one along a direction.
+    fn shorten(
+        &mut self,
+        along: &Point,
+        [mut hit, mut free]: [f64; 2],
+        cover: &ForbiddenBall,
+        bodies: &mut impl PosedPair,
+    ) -> Result<(), OutOfBudget> {
+        if !cover.is_final {
+            for _ in 0..FEW_HALVINGS {
+                if free <= (1.0 + FIRST_AHEAD) * hit {
+                    break;
+                }
+                let middle = libm::sqrt(hit * free);
+                if self.is_free_at(along, middle, bodies)? { free = middle } else { hit = middle }
+            }
+        }
+        let is_worth = cover.is_final || hit <= PROMISING * cover.lower();
+        if is_worth { self.approach(along, [hit, free], bodies) } else { Ok(()) }
     }
 
     /// Bisects between a hit and a free translation along a direction, and descends from there.
@@ -163,13 +200,7 @@ impl WayOut {
                 break;
             }
             let middle = 0.5 * (hit + free);
-            let t = along.map(|x| x * middle);
-            if bodies.is_free(&t)? {
-                free = middle;
-                self.accept(&t);
-            } else {
-                hit = middle;
-            }
+            if self.is_free_at(along, middle, bodies)? { free = middle } else { hit = middle }
         }
         self.descend(along.map(|x| x * free), NEAR, bodies)
     }

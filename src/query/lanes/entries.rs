@@ -89,6 +89,14 @@ pub(crate) fn least(entries: &Entries) -> Entry {
     least
 }
 
+/// Removes an entry. It writes all of them: a store of one would delay the next load of all.
+#[inline(always)]
+pub(crate) fn remove(entries: &mut Entries, entry: Entry) {
+    for other in entries {
+        *other = if *other == entry { Entry::NONE } else { *other };
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@ pub(super) use along::Along;
 pub use compare::Compare;
 pub(super) use compare::within_slabs;
 pub(super) use entries::Entry;
-pub(super) use entries::{Entries, least, weight, weight_of};
+pub(super) use entries::{Entries, least, remove, weight, weight_of};
 pub(super) use gaps::growth;
 pub(super) use primitive_gaps::PrimitiveGaps;
 pub(super) use rows::Rows;

@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::node::Child;
 use crate::primitive::shape::{Core, hull_of};
 use crate::primitive::{Primitive, Shape, Shapes};
-use crate::query::lanes::{Along, Entry, Lanes, PrimitiveGaps, used_lanes};
+use crate::query::lanes::{Along, Entries, Entry, Lanes, PrimitiveGaps, least, remove, used_lanes};
 use crate::range::Point;
 use crate::realign::PrimitiveSlabs;
 use crate::vector::{difference, dot, length};
@@ -41,16 +41,49 @@ pub(super) enum Volume {
     },
 }
 
-/// Planes of a shape whose volume is a k-DOP, for lower bounds.
+/// Lower bounds of the distances of a node's children.
+pub(super) trait ChildBounds<N> {
+    /// The bounds of the children of a node that are still to be visited.
+    type Pending: Copy;
+    /// Initial value, to be overwritten.
+    const BLANK: Self::Pending;
+
+    fn pending(&self, node: &N) -> Self::Pending;
+
+    /// Takes the nearest of the children: its lane and its bound. `None` if none is left.
+    fn take_nearest(&self, pending: &mut Self::Pending) -> Option<(usize, f64)>;
+
+    /// Children whose bounds are greater are farther than `distance`, which is not negative.
+    fn limit(&self, distance: f64) -> f64;
+
+    /// The lower bound of a distance, from a bound.
+    fn distance(&self, bound: f64) -> f64;
+}
+
+/// Those of a shape whose volume is a k-DOP.
 #[derive(Debug)]
-pub(super) struct Gaps<N: Lanes> {
+pub(super) struct DopBounds<N: Lanes> {
     planes: N::Planes,
     /// Gaps along the shape's own directions.
     own: Option<PrimitiveGaps>,
+    scale: f64,
 }
+
+/// Those of a half-space, from its volume.
+#[derive(Debug)]
+pub(super) struct HalfSpaceBounds<'v>(pub(super) &'v Volume);
 
 const fn has_directions(shape: &Shape) -> bool {
     matches!(shape.core(), Core::Cuboid { .. } | Core::Cylinder { .. } | Core::Cone { .. })
+}
+
+/// The slabs of everything within a margin of a shape along its own directions, if it has any.
+#[inline(always)]
+fn own_slabs<N: Lanes>(shape: &Shape, margin: f64, body: &BodyBounds) -> Option<PrimitiveSlabs> {
+    has_directions(shape).then(
+        #[inline(always)]
+        || N::primitive_slabs::<Shapes>(shape, margin, body, None),
+    )
 }
 
 impl Volume {
@@ -104,19 +137,9 @@ impl Volume {
     #[inline(always)]
     pub(super) fn slabs<N: Lanes>(&self, shape: &Shape, margin: f64) -> Option<PrimitiveSlabs> {
         match self {
-            Self::Dop { body, .. } if has_directions(shape) => {
-                Some(N::primitive_slabs::<Shapes>(shape, margin, body, None))
-            }
-            _ => None,
+            Self::Dop { body, .. } => own_slabs::<N>(shape, margin, body),
+            Self::HalfSpace { .. } => None,
         }
-    }
-
-    /// The data of the shape that [`Self::bounds`] needs.
-    #[inline(always)]
-    pub(super) fn gaps<N: Lanes>(&self, shape: &Shape) -> Gaps<N> {
-        let Self::Dop { body, reach } = self else { return Gaps { planes: N::NO_PLANES, own: None } };
-        let own = self.slabs::<N>(shape, 0.0).map(|slabs| PrimitiveGaps::new::<Shapes>(shape, slabs, 1.0));
-        Gaps { planes: N::planes_of::<Shapes>(&body.frame, &[*shape], *reach), own }
     }
 
     /// The children that may be within the margin for which the volume was aimed.
@@ -142,43 +165,6 @@ impl Volume {
         }
     }
 
-    /// Lower bounds of the children, in the order of their distances; infinite for unused lanes.
-    #[inline(always)]
-    pub(super) fn bounds<N: Lanes>(&self, gaps: &Gaps<N>, node: &N) -> [f64; 16] {
-        let mut bounds = [f64::INFINITY; 16];
-        match self {
-            Self::Dop { .. } => {
-                let mut entries = node.gaps_of_planes(&gaps.planes, 1.0);
-                if let Some(own) = &gaps.own {
-                    node.raise(&mut entries, own);
-                }
-                for entry in entries {
-                    if entry != Entry::NONE {
-                        bounds[entry.lane()] = f64::from(entry.bound());
-                    }
-                }
-            }
-            Self::HalfSpace { .. } => {
-                for (lane, child) in node.children().iter().enumerate() {
-                    if *child != Child::EMPTY {
-                        bounds[lane] = self.distance_of(node, lane);
-                    }
-                }
-            }
-        }
-        bounds
-    }
-
-    /// The lower bound of the distance for one of [`Self::bounds`].
-    #[inline(always)]
-    pub(super) fn distance(&self, bound: f64) -> f64 {
-        match self {
-            Self::Dop { body, .. } if bound > 0.0 => libm::sqrt(bound) / body.frame.scale(),
-            Self::Dop { .. } => 0.0,
-            Self::HalfSpace { .. } => bound,
-        }
-    }
-
     /// Lower bound of the distance of child `lane` from a half-space.
     fn distance_of<N: Lanes>(&self, node: &N, lane: usize) -> f64 {
         let Self::HalfSpace { opposite, end, scale } = self else { return 0.0 };
@@ -196,5 +182,82 @@ impl Volume {
         }
         let between = difference(&Q::point(&tree.primitive(0)), &Shapes::point(shape));
         length(&between) * (1.0 + 8.0 * f64::EPSILON)
+    }
+}
+
+impl<N: Lanes> DopBounds<N> {
+    /// The bodies' unit and bounds of their coordinates are those of [`Volume::Dop`].
+    #[inline(always)]
+    pub(super) fn new(shape: &Shape, body: &BodyBounds, reach: f64) -> Self {
+        let own =
+            own_slabs::<N>(shape, 0.0, body).map(|slabs| PrimitiveGaps::new::<Shapes>(shape, slabs, 1.0));
+        let planes = N::planes_of::<Shapes>(&body.frame, &[*shape], reach);
+        Self { planes, own, scale: body.frame.scale() }
+    }
+}
+
+impl<N: Lanes> ChildBounds<N> for DopBounds<N> {
+    type Pending = Entries;
+    const BLANK: Entries = [Entry::ZEROS; 16];
+
+    #[inline(always)]
+    fn pending(&self, node: &N) -> Entries {
+        let mut entries = node.gaps_of_planes(&self.planes, 1.0);
+        if let Some(own) = &self.own {
+            node.raise(&mut entries, own);
+        }
+        entries
+    }
+
+    #[inline(always)]
+    fn take_nearest(&self, pending: &mut Entries) -> Option<(usize, f64)> {
+        let nearest = least(pending);
+        if nearest == Entry::NONE {
+            return None;
+        }
+        remove(pending, nearest);
+        Some((nearest.lane(), f64::from(nearest.bound())))
+    }
+
+    // Bounds are squares in the unit of the frame, or negative. Comparing them takes no root, for which the next step
+    // would have to wait.
+    #[inline(always)]
+    fn limit(&self, distance: f64) -> f64 {
+        let scaled = distance * self.scale;
+        (scaled * scaled) * (1.0 + power_of_two(-48))
+    }
+
+    #[inline(always)]
+    fn distance(&self, bound: f64) -> f64 {
+        if bound > 0.0 { libm::sqrt(bound) / self.scale } else { 0.0 }
+    }
+}
+
+impl<N: Lanes> ChildBounds<N> for HalfSpaceBounds<'_> {
+    type Pending = [f64; 16];
+    const BLANK: [f64; 16] = [0.0; 16];
+
+    fn pending(&self, node: &N) -> [f64; 16] {
+        let mut bounds = [f64::INFINITY; 16];
+        for (lane, child) in node.children().iter().enumerate() {
+            if *child != Child::EMPTY {
+                bounds[lane] = self.0.distance_of(node, lane);
+            }
+        }
+        bounds
+    }
+
+    fn take_nearest(&self, pending: &mut [f64; 16]) -> Option<(usize, f64)> {
+        let lane = (1..16).fold(0, |least, lane| if pending[lane] < pending[least] { lane } else { least });
+        let nearest = core::mem::replace(&mut pending[lane], f64::INFINITY);
+        (nearest < f64::INFINITY).then_some((lane, nearest))
+    }
+
+    fn limit(&self, distance: f64) -> f64 {
+        distance
+    }
+
+    fn distance(&self, bound: f64) -> f64 {
+        bound
     }
 }

@@ -1,6 +1,6 @@
 //! The traversals of a tree by one shape.
 
-use super::bounds::Volume;
+use super::bounds::{ChildBounds, DopBounds, HalfSpaceBounds, Volume};
 use crate::hierarchy::{BvhRef, MAX_DEPTH};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
@@ -51,10 +51,14 @@ impl Query {
     where
         Shapes: PrimitivePair<Q>,
     {
-        on_isa!(self.isa(), kernel => kernel.run(
-            #[inline(always)]
-            || nearest(self.budget(), shape, volume, tree, limits, stats),
-        ))
+        let budget = self.budget();
+        match volume {
+            Volume::Dop { body, reach } => on_isa!(self.isa(), kernel => kernel.run(
+                #[inline(always)]
+                || nearest(budget, shape, &DopBounds::new(shape, body, *reach), tree, limits, stats),
+            )),
+            Volume::HalfSpace { .. } => nearest(budget, shape, &HalfSpaceBounds(volume), tree, limits, stats),
+        }
     }
 }
 
@@ -139,10 +143,10 @@ where
 }
 
 #[inline(always)]
-fn nearest<N: Lanes, Q: Primitive>(
+fn nearest<N: Lanes, Q: Primitive, B: ChildBounds<N>>(
     budget: u64,
     shape: &Shape,
-    volume: &Volume,
+    bounds: &B,
     tree: &BvhRef<'_, N, Q>,
     (tolerance, cutoff): (f64, f64),
     stats: &mut QueryStats,
@@ -150,11 +154,11 @@ fn nearest<N: Lanes, Q: Primitive>(
 where
     Shapes: PrimitivePair<Q>,
 {
-    let gaps = volume.gaps::<N>(shape);
-    let mut path = [(0_u32, [f64::INFINITY; 16]); MAX_DEPTH];
+    let mut path = [(0_u32, B::BLANK); MAX_DEPTH];
     let (mut levels, mut next) = (0, root(tree));
     let mut best = NearestPrimitive { lower: cutoff, found: None, is_complete: true };
-    let mut limit = cutoff;
+    // Primitives with bounds above `most` cannot improve the answer by more than the tolerance.
+    let (mut limit, mut most, mut dropped) = (cutoff, bounds.limit(cutoff), f64::INFINITY);
     loop {
         match next {
             Link::Empty => {}
@@ -163,7 +167,7 @@ where
                     return NearestPrimitive { lower: 0.0, is_complete: false, ..best };
                 }
                 stats.visits += 1;
-                path[levels] = (node, volume.bounds(&gaps, &tree.nodes()[node as usize]));
+                path[levels] = (node, bounds.pending(&tree.nodes()[node as usize]));
                 levels += 1;
             }
             Link::Leaf { .. } => {
@@ -177,6 +181,7 @@ where
                         && found.upper <= cutoff
                     {
                         (limit, best.found) = (found.upper.min(cutoff), Some((index, found)));
+                        most = bounds.limit(limit / (1.0 + tolerance));
                         if found.upper == 0.0 {
                             return NearestPrimitive { lower: 0.0, ..best };
                         }
@@ -184,19 +189,18 @@ where
                 }
             }
         }
-        // Primitives farther than this cannot improve the answer by more than the tolerance.
-        let most = if best.found.is_some() { limit / (1.0 + tolerance) } else { limit };
         loop {
-            let Some(level) = levels.checked_sub(1) else { return best };
-            let (node, bounds) = &mut path[level];
-            let mut lane = 0;
-            for (other, bound) in bounds.iter().enumerate() {
-                lane = if *bound < bounds[lane] { other } else { lane };
-            }
-            let distance = volume.distance(core::mem::replace(&mut bounds[lane], f64::INFINITY));
-            if distance > most || distance == f64::INFINITY {
+            let Some(level) = levels.checked_sub(1) else {
+                return NearestPrimitive { lower: best.lower.min(bounds.distance(dropped)), ..best };
+            };
+            let (node, pending) = &mut path[level];
+            let Some((lane, bound)) = bounds.take_nearest(pending) else {
+                levels = level;
+                continue;
+            };
+            if bound > most {
                 // All other children of this node are at least as far.
-                best.lower = best.lower.min(distance);
+                dropped = dropped.min(bound);
                 levels = level;
                 continue;
             }

@@ -36,7 +36,7 @@ pub(super) trait Supported {
 }
 
 #[inline(always)]
-fn clamp(x: f64, low: f64, high: f64) -> f64 {
+pub(super) fn clamp(x: f64, low: f64, high: f64) -> f64 {
     // `low` for NaN.
     let x = if x > low { x } else { low };
     if x < high { x } else { high }
@@ -63,7 +63,7 @@ fn sign(x: f64) -> f64 {
 }
 
 #[inline(always)]
-fn norm_1(v: &Point) -> f64 {
+pub(super) fn norm_1(v: &Point) -> f64 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 

@@ -6,6 +6,7 @@
 //! half plane of both changes by at most their errors. Its own computation, for a cone with a projection on the side,
 //! adds at most 16 u S. So 2^-47 `size` bounds all.
 
+use super::bodies::{clamp, norm_1};
 use super::margins::compare;
 use crate::exact::power_of_two;
 use crate::range::Point;
@@ -25,7 +26,6 @@ fn coordinates(w: &Point, axis: &Point, square: f64) -> (f64, f64) {
 /// `None` if products of the four lengths could leave the range of `f64`.
 #[inline(always)]
 fn size(w: &Point, axis: &Point, radius: f64) -> Option<f64> {
-    let norm_1 = |v: &Point| v[0].abs() + v[1].abs() + v[2].abs();
     let size = (norm_1(w) + norm_1(axis)) + radius;
     (size > power_of_two(-100) && size < power_of_two(100)).then_some(size)
 }
@@ -57,7 +57,7 @@ pub(super) fn cone(w: &Point, axis: &Point, radius: f64, reach: f64) -> Option<b
         0.0
     } else {
         let share = (up * square - beyond * radius) / (square + radius * radius);
-        let share = if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 };
+        let share = clamp(share, 0.0, 1.0);
         let (x, y) = (beyond + share * radius, up - share);
         x * x + (y * y) * square
     };

@@ -1,8 +1,7 @@
 //! Near points of two cores, and the certificates that they give.
 
-use super::bodies::{Segment, Supported, plus};
-use super::margins::ERROR;
-use super::margins::FEW;
+use super::bodies::{Segment, Supported, clamp, norm_1, plus};
+use super::margins::{ERROR, FEW};
 use super::pair_and_margin::PairAndMargin;
 use super::simplex::{FilterSimplex, NearestPoint};
 use crate::exact::power_of_two;
@@ -96,11 +95,6 @@ fn negative(v: &Point) -> Point {
     [-v[0], -v[1], -v[2]]
 }
 
-#[inline(always)]
-fn norm_1(v: &Point) -> f64 {
-    v[0].abs() + v[1].abs() + v[2].abs()
-}
-
 /// A point, relative to the reference point of a core.
 #[inline(always)]
 pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<bool> {
@@ -117,15 +111,11 @@ pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<b
 #[inline(always)]
 pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
     let limits = Thresholds::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
-    let clamp = |x: f64| {
-        let x = if x > 0.0 { x } else { 0.0 };
-        if x < 1.0 { x } else { 1.0 }
-    };
     let (p, q, mixed) = (dot(&a.edge, &b.at), dot(&b.edge, &b.at), dot(&a.edge, &b.edge));
     // Where the division fails, NaN becomes 0, and the certificates judge any two points.
-    let s = clamp((p * b.square - mixed * q) / (a.square * b.square - mixed * mixed));
-    let t = clamp((mixed * s - q) / b.square);
-    let s = clamp((mixed * t + p) / a.square);
+    let s = clamp((p * b.square - mixed * q) / (a.square * b.square - mixed * mixed), 0.0, 1.0);
+    let t = clamp((mixed * s - q) / b.square, 0.0, 1.0);
+    let s = clamp((mixed * t + p) / a.square, 0.0, 1.0);
     limits.judge(a, b, &difference(&b.point(t), &a.point(s)), limits.near)
 }
 
