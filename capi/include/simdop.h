@@ -189,6 +189,10 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_VOLUME = 34,
   /**
+   * The tree of the packing in the bytes is invalid.
+   */
+  SIMDOP_ERROR_BYTES_PACKING = 35,
+  /**
    * A vertex is NaN, infinite or beyond 2^300, or a shape extends beyond 2^300.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,
@@ -220,6 +224,14 @@ typedef enum {
    * The holes of a mesh would take more than 16,384 triangles to cap.
    */
   SIMDOP_ERROR_BUILD_TOO_MANY_CAPS = 47,
+  /**
+   * A packing is added to a body that is not a solid mesh, or has no spheres.
+   */
+  SIMDOP_ERROR_BUILD_PACKING = 48,
+  /**
+   * A sphere of a packing is not inside the solid.
+   */
+  SIMDOP_ERROR_BUILD_NOT_INSIDE = 49,
   /**
    * A radius, side or height of a shape is negative, NaN or beyond 2^300, or below 2^-250 where it must not be 0.
    */
@@ -1675,6 +1687,20 @@ simdop_error simdop_body_build_hull_as(const double *points, size_t count, int s
  * Writes how many holes of a body are capped. All fields are 0 for a body without caps.
  */
 simdop_error simdop_body_caps(const simdop_body *body, simdop_caps *caps);
+
+/**
+ * Builds a copy of a body, a solid mesh, with `count` spheres inside it, such as those of simdop_pack(), in its bytes.
+ * With them the lower bounds of simdop_depth() are higher; no other query reads them. `spheres` is as for
+ * simdop_body_build_spheres(). Proves that each sphere is inside, in time proportional to the number of spheres times
+ * that of triangles.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_packed(const simdop_body *body,
+                                      const double *spheres,
+                                      size_t count,
+                                      simdop_body **packed);
 
 /**
  * Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.

@@ -1,8 +1,8 @@
 """Compares depths with those of convex decompositions: ``python -m simdop.bench --depth MESH...``.
 
 Coal and python-fcl give depths of convex bodies. Their users decompose other meshes, here with CoACD, and take the
-deepest pair of parts. That may differ from the depth of the meshes both ways: the parts fill hollows, and the translation
-that separates one pair may drive others deeper.
+deepest pair of parts. That may differ from the depth of the meshes both ways: the parts fill hollows, and a translation
+that separates one pair may drive another deeper.
 
 Coal's exact verdicts on the meshes themselves decide what is true: the sampled depth is the shortest translation, of
 those tried, after which it calls the meshes free.
