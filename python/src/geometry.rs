@@ -174,7 +174,7 @@ impl Geometry {
         const WHAT: &str = "Body.with_packing";
         let Self::Tree(SharedTree::Mesh(tree)) = self else { return Err(self.wrong_kind(WHAT, "a mesh")) };
         if !tree.view().is_solid() {
-            return Err(raise_as::<raised::BuildError>(format!("{WHAT} needs a solid, not a surface")));
+            return Err(raise_as::<raised::BuildError>(format!("{WHAT} takes a solid, not a surface")));
         }
         let (mut mesh, width) = (self.mesh_data(WHAT)?, tree.view().cap_stats().width);
         if width > 0.0 {

@@ -53,15 +53,16 @@ def test_boxes_have_closed_forms(body: Body, other: Body) -> None:
 def test_packings_bring_the_bounds_closer() -> None:
     vertices, faces = box()
     for solid in (CUBE, Body(vertices, faces[1:], solid=True, caps=2.0)):
-        packed, there = solid.with_packing(30), at(0.875, 0.25, 0.125)
-        plain, found = solid.depth(solid, there, budget=60), packed.depth(packed, there, budget=60)
-        assert plain.lower < found.lower <= 0.125 <= found.upper
+        packed = solid.with_packing(30)
+        there = np.array([[0.8, 0.6, 0, 0.875], [-0.6, 0.8, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        plain, found = solid.depth(solid, there, budget=100), packed.depth(packed, there, budget=100)
+        assert 0 < plain.lower < found.lower <= packed.depth(packed, there).upper
         for copy in (Body.from_bytes(packed.to_bytes()), pickle.loads(pickle.dumps(packed))):
             assert copy.to_bytes() == packed.to_bytes()
-            assert copy.depth(copy, there, budget=60).lower == found.lower
+            assert copy.depth(copy, there, budget=100).lower == found.lower
         assert packed.signed_distance(solid, at(0, -1.75)).upper == solid.signed_distance(solid, at(0, -1.75)).upper
     for other in (Body(vertices, faces), Body.hull(vertices), Body.sphere(1.0)):
-        with pytest.raises(simdop.Error, match=r"Body\.with_packing needs a"):
+        with pytest.raises(simdop.Error, match=r"Body\.with_packing takes a"):
             other.with_packing(5)
     with pytest.raises(simdop.BuildError, match="no spheres"):
         CUBE.with_packing(0)

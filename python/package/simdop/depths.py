@@ -183,7 +183,7 @@ def compare(paths: list[Path], count: int, spheres: int = 2000, budget: int = 20
     is_wrong = False
     for path in paths:
         body = Body.load(path, solid=True)
-        mesh = body.vertices, body.faces
+        mesh = body.vertices, body.faces.astype(np.int64)
         start = time.perf_counter()
         parts = _decompose(coacd, mesh)
         decomposed = time.perf_counter() - start
