@@ -469,7 +469,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
     make(body, "body", || {
-        // SAFETY: the caller guarantees the length; four numbers in a row are aligned as one.
+        // SAFETY: the caller guarantees the length.
         let spheres = unsafe { read_spheres(spheres, count) }?;
         let set = SphereSet { spheres: &spheres };
         let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));

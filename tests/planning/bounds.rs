@@ -45,8 +45,9 @@ fn compare_motions(exact: &PlanningScene, bounded: &PlanningScene, motions: &[[&
     count
 }
 
-/// Verdicts with bounds equal those without, and those that the bounds decide are right. Returns how many these are.
-fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> usize {
+/// Verdicts with bounds equal those without, and those that the bounds decide are right. Returns how many these are,
+/// and how many configurations are free.
+fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> [usize; 2] {
     let verdicts = exact.free(values).unwrap();
     assert_eq!(bounded.free(values).unwrap(), verdicts);
     let ends: Vec<&[f64]> = values.chunks(exact.variables()).take(60).collect();
@@ -57,7 +58,7 @@ fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> us
     for (i, (decided, verdict)) in decided.iter().zip(&verdicts).enumerate() {
         assert!(decided.is_none_or(|decided| decided == *verdict), "configuration {i}");
     }
-    decided.iter().flatten().count()
+    [decided.iter().flatten().count(), verdicts.iter().filter(|is_free| **is_free).count()]
 }
 
 /// A workspace serves all states of a scene, also after a configuration that is an error.
@@ -91,7 +92,7 @@ fn verdicts_of_robots_among_obstacles_are_those_of_the_scene() {
             bounded.use_bounds(CELL).unwrap();
             let count = (all / (2 * problems.len())).max(1000 / suite_step()) + 17;
             let values = random(&exact, &mut rng, count);
-            decided += compare(&exact, &bounded, &values);
+            decided += compare(&exact, &bounded, &values)[0];
             asked += count;
         }
         assert!(decided * 10 > asked * 6, "{}: {decided} of {asked}", setting.name);
@@ -111,9 +112,8 @@ fn verdicts_of_the_talos_in_a_scan_are_those_of_the_scene() {
         let margin = [0.35, 0.0][asked / 1000 % 2];
         let each = (0..1000).flat_map(|_| exact.random(|| rng.range(margin, 1.0 - margin)));
         let values: Vec<f64> = each.collect();
-        decided += compare(&exact, &bounded, &values);
-        free += exact.free(&values).unwrap().iter().filter(|is_free| **is_free).count();
-        asked += 1000;
+        let count = compare(&exact, &bounded, &values);
+        (decided, free, asked) = (decided + count[0], free + count[1], asked + 1000);
     }
     println!("{free} of {asked} free, bounds decide {decided}");
     assert!(free * 50 > asked && free * 2 < asked && decided * 2 > asked, "{free} and {decided} of {asked}");
@@ -209,7 +209,7 @@ fn bounds_follow_the_scene() {
     let mut check = |exact: &PlanningScene, bounded: &PlanningScene| {
         let values = random(exact, &mut rng, 700 / suite_step());
         in_one_workspace(bounded, &mut workspace, &values);
-        compare(exact, bounded, &values)
+        compare(exact, bounded, &values)[0]
     };
     let mut all = 0;
     let mut both = |change: &mut dyn FnMut(&mut PlanningScene), applies: bool| {

@@ -14,6 +14,7 @@ import importlib
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +22,23 @@ import numpy as np
 
 from ._arrays import Floats, Triangles
 from ._simdop import Body
-from .agreement import coal_model
+from .agreement import coal_model, random_poses
 
 Mesh = tuple[Floats, Triangles]
-Answer = tuple[float, Floats]
-"""A depth and the translation of A by it, both zero without an answer."""
-
-_NONE: Answer = 0.0, np.zeros(3)
 _TRIALS = 2000
 """Translations tried for one sampled depth."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A depth, and the translation of A by it: both zero without an answer. Some libraries give a lower bound, too."""
+
+    depth: float
+    translation: Floats
+    lower: float | None = None
+
+
+_NONE = Answer(0.0, np.zeros(3))
 
 
 class _Truth:
@@ -71,17 +80,14 @@ class _Truth:
         return best
 
 
-def _deep_poses(body: Body, count: int, deep: float, rng: np.random.Generator) -> list[Floats]:
-    """Random orientations and directions; along these, first contact and then ``deep`` farther."""
+def _deep_poses(body: Body, count: int, deep: float) -> list[Floats]:
+    """At most ``count`` random orientations and directions; along these, first contact and then ``deep`` farther."""
     poses: list[Floats] = []
     reach = float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
-    while len(poses) < count:
-        axes, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        pose, direction = np.eye(4), rng.normal(size=3)
-        pose[:3, :3] = axes * np.sign(np.linalg.det(axes))
-        direction /= np.linalg.norm(direction)
-        centre = body.vertices.mean(axis=0)
-        pose[:3, 3] = centre - pose[:3, :3] @ centre + 1.5 * reach * direction
+    centre = body.vertices.mean(axis=0)
+    for pose in random_poses(count, 1.5 * reach, 1.5 * reach, 1):
+        direction = pose[:3, 3] / np.linalg.norm(pose[:3, 3])
+        pose[:3, 3] += centre - pose[:3, :3] @ centre
         for _ in range(200):
             gap = float(body.distance(body, pose, tolerance=0.01).lower)
             if gap < 1e-6 * reach:
@@ -91,6 +97,17 @@ def _deep_poses(body: Body, count: int, deep: float, rng: np.random.Generator) -
         if body.collide(body, pose):
             poses.append(pose)
     return poses
+
+
+def _simdop_depth(body: Body, budget: int) -> Callable[[Floats], Answer]:
+    """The interval that simdop proves."""
+
+    def depth(pose: Floats) -> Answer:
+        found = body.depth(body, pose, budget=budget)
+        known = bool(np.isfinite(found.upper))
+        return Answer(float(found.upper) if known else 0.0, found.translation, float(found.lower))
+
+    return depth
 
 
 def _coal_depth(coal: Any, parts: list[Mesh]) -> Callable[[Floats], Answer]:
@@ -110,9 +127,10 @@ def _coal_depth(coal: Any, parts: list[Mesh]) -> Callable[[Floats], Answer]:
             result, request = coal.CollisionResult(), coal.CollisionRequest(coal.CollisionRequestFlag.CONTACT, 1)
             if coal.collide(a, at, b, still, request, result):
                 contact = result.getContact(0)
-                if -contact.penetration_depth > best[0]:
+                if -contact.penetration_depth > best.depth:
                     # The normal points from A to B.
-                    best = -contact.penetration_depth, contact.penetration_depth * np.array(contact.normal)
+                    translation = contact.penetration_depth * np.array(contact.normal)
+                    best = Answer(-contact.penetration_depth, translation)
         return best
 
     return depth
@@ -133,8 +151,9 @@ def _fcl_depth(fcl: Any, parts: list[Mesh]) -> Callable[[Floats], Answer]:
             result, request = fcl.CollisionResult(), fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
             if fcl.collide(fcl.CollisionObject(a, at), fcl.CollisionObject(b, still), request, result):
                 contact = result.contacts[0]
-                if contact.penetration_depth > best[0]:
-                    best = contact.penetration_depth, -contact.penetration_depth * np.array(contact.normal)
+                if contact.penetration_depth > best.depth:
+                    translation = -contact.penetration_depth * np.array(contact.normal)
+                    best = Answer(contact.penetration_depth, translation)
         return best
 
     return depth
@@ -160,17 +179,36 @@ def _decompose(coacd: Any, mesh: Mesh) -> list[Mesh]:
     return [(np.array(v), np.array(f)) for v, f in coacd.run_coacd(coacd.Mesh(*mesh))]
 
 
-def _quantile(values: Floats, q: float) -> str:
-    return f"{np.quantile(values, q):.3g}" if len(values) else ""
+def _row(name: str, spent: list[float], depths: list[float], sampled: list[float], frees: str) -> None:
+    times = np.quantile(spent, [0.5, 0.95]) * 1e6
+    ratios = np.quantile(np.array(depths) / sampled, [0, 0.05, 0.5, 0.95, 1])
+    print(f"| {name} | {times[0]:.0f} | {times[1]:.0f} | {' | '.join(f'{x:.3g}' for x in ratios)} | {frees} |")
 
 
-def _row(name: str, spent: list[float], answers: list[Answer], true: list[float], frees: list[bool]) -> None:
-    ratios = np.array([answer[0] / depth for answer, depth in zip(answers, true, strict=True)])
-    print(
-        f"| {name} | {np.median(spent) * 1e6:.0f} | {np.quantile(spent, 0.95) * 1e6:.0f} | {_quantile(ratios, 0)} "
-        f"| {_quantile(ratios, 0.05)} | {_quantile(ratios, 0.5)} | {_quantile(ratios, 0.95)} | {_quantile(ratios, 1)} "
-        f"| {sum(frees)} of {len(frees)} |"
-    )
+def _table(ways: dict[str, Callable[[Floats], Answer]], truth: _Truth, poses: list[Floats], far: float) -> bool:
+    """Print a row for each library. Whether a lower bound is wrong."""
+    spent: dict[str, list[float]] = {name: [] for name in ways}
+    answers: dict[str, list[Answer]] = {name: [] for name in ways}
+    for pose in poses:
+        for name, depth in ways.items():
+            start = time.perf_counter()
+            answers[name].append(depth(pose))
+            spent[name].append(time.perf_counter() - start)
+    rng, sampled = np.random.default_rng(1), []
+    for i, pose in enumerate(poses):
+        # A long translation is surely free.
+        known = [pose[:3, 3] / np.linalg.norm(pose[:3, 3]) * far, *(given[i].translation for given in answers.values())]
+        sampled.append(truth.depth(pose, known, rng))
+    print("|---|--:|--:|--:|--:|--:|--:|--:|--:|")
+    is_wrong = False
+    for name, given in answers.items():
+        frees = sum(truth.frees(pose, answer.translation) for pose, answer in zip(poses, given, strict=True))
+        _row(name, spent[name], [answer.depth for answer in given], sampled, f"{frees} of {len(poses)}")
+        lowers = [answer.lower for answer in given if answer.lower is not None]
+        if lowers:
+            _row(f"{name}, lower bound", spent[name], lowers, sampled, "")
+            is_wrong |= bool(np.any(np.array(lowers) > np.array(sampled) * (1 + 1e-6)))
+    return is_wrong
 
 
 def compare(paths: list[Path], count: int, spheres: int = 2000, budget: int = 2000) -> bool:
@@ -190,46 +228,15 @@ def compare(paths: list[Path], count: int, spheres: int = 2000, budget: int = 20
         start = time.perf_counter()
         packed = body.with_packing(spheres)
         filled = time.perf_counter() - start
-        truth = _Truth(coal, mesh)
         print(f"\n{path.stem}: {len(mesh[1])} triangles. CoACD: {len(parts)} parts in {decomposed:.1f} s.", end=" ")
         print(f"Packing of {spheres} spheres: {filled:.1f} s.")
-        ways: dict[str, Callable[[Floats], Answer]] = {"Coal, parts": _coal_depth(coal, parts)}
+        ways = {"simdop": _simdop_depth(packed, budget), "Coal, parts": _coal_depth(coal, parts)}
         if fcl:
             ways["python-fcl, parts"] = _fcl_depth(fcl, parts)
+        truth, far = _Truth(coal, mesh), 3 * float(np.ptp(mesh[0], axis=0).max())
         for deep in (0.01, 0.05):
-            rng = np.random.default_rng(1)
-            poses = _deep_poses(body, count, deep, rng)
-            spent: dict[str, list[float]] = {}
-            answers: dict[str, list[Answer]] = {}
-            lowers: list[Answer] = []
-            for pose in poses:
-                start = time.perf_counter()
-                found = packed.depth(packed, pose, budget=budget)
-                spent.setdefault("simdop, upper bound", []).append(time.perf_counter() - start)
-                upper = float(found.upper)
-                answers.setdefault("simdop, upper bound", []).append(
-                    (upper, found.translation) if np.isfinite(upper) else _NONE
-                )
-                lowers.append((float(found.lower), np.zeros(3)))
-                for name, depth in ways.items():
-                    start = time.perf_counter()
-                    answer = depth(pose)
-                    spent.setdefault(name, []).append(time.perf_counter() - start)
-                    answers.setdefault(name, []).append(answer)
-            true = []
-            for i, pose in enumerate(poses):
-                # A direction in which a long translation is surely free.
-                far = pose[:3, 3] / np.linalg.norm(pose[:3, 3]) * 3 * np.ptp(mesh[0], axis=0).max()
-                true.append(truth.depth(pose, [far, *(tried[i][1] for tried in answers.values())], rng))
             print(f"\n| moved in {deep:.0%} | us | p95 | least / sampled | 5 % | median | 95 % | most | frees |")
-            print("|---|--:|--:|--:|--:|--:|--:|--:|--:|")
-            for name, given in answers.items():
-                frees = [truth.frees(pose, t) for pose, (_, t) in zip(poses, given, strict=True)]
-                _row(name, spent[name], given, true, frees)
-                if name == "simdop, upper bound":
-                    _row("simdop, lower bound", spent[name], lowers, true, [])
-            below = [given[0] > depth * (1 + 1e-6) for given, depth in zip(lowers, true, strict=True)]
-            if any(below):
-                print(f"error: {sum(below)} lower bounds are above the sampled depth", file=sys.stderr)
-                is_wrong = True
+            is_wrong |= _table(ways, truth, _deep_poses(body, count, deep), far)
+    if is_wrong:
+        print("error: a lower bound is above the sampled depth", file=sys.stderr)
     return is_wrong
