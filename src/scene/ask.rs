@@ -182,7 +182,7 @@ impl<N: Lanes> AskedPair<'_, N> {
             |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin)),
             |shape, tree| query.within_shape(shape, tree, pose, margin),
             |shape, cloud| Ok(cloud.shape_within(query, &shape.moved(pose), margin)),
-            |a, b| Ok(query.shapes_within(&a.moved(pose), b, margin))
+            |a, b| Ok(query.shapes_within(a, pose, b, margin))
         )
     }
 
@@ -200,7 +200,7 @@ impl<N: Lanes> AskedPair<'_, N> {
             |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff)),
             |shape, tree| query.distance_shape(shape, tree, pose, tolerance, cutoff),
             |shape, cloud| Ok(cloud.shape_distance(query, &shape.moved(pose), checked(tolerance)?, cutoff)),
-            |a, b| Ok(query.shapes_distance(&a.moved(pose), b, checked(tolerance)?, cutoff))
+            |a, b| Ok(query.shapes_distance(a, pose, b, checked(tolerance)?, cutoff))
         )
     }
 }

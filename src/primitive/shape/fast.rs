@@ -35,9 +35,10 @@ use self::bodies::{Segment, Supported, norm_1};
 use self::margins::{FEW, compare};
 use self::pair_and_margin::PairAndMargin;
 use crate::exact::{power_of_two, two_sum};
+use crate::pose::Pose;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
-use crate::primitive::shape::exact::aligned;
+use crate::primitive::shape::place::{InPlace, Place};
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -45,28 +46,43 @@ use crate::vector::{difference, dot};
 /// kinds that this filter does not treat.
 #[inline]
 pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
+    decide_placed(a, InPlace, b, margin)
+}
+
+/// [`decide`] of `a` at a pose. Points, segments and cuboids are moved in registers: storing a moved shape and reading
+/// it again would take longer than the test.
+#[inline]
+pub(crate) fn decide_posed(a: &Shape, pose: &Pose, b: &Shape, margin: f64) -> Option<bool> {
+    decide_placed(a, pose, b, margin)
+}
+
+#[inline(always)]
+fn decide_placed<P: Place>(a: &Shape, at: P, b: &Shape, margin: f64) -> Option<bool> {
     let reach = (a.radius + b.radius) + margin;
     if margin < 0.0 || margin.is_nan() {
         return None;
     }
+    let asked = PairAndMargin { a, at, b, margin, reach };
     let certain = match (&a.core, &b.core) {
         (Core::Point(p), Core::Point(q)) => {
-            let d = difference(q, p);
+            let p = at.point(p);
+            let d = difference(q, &p);
             compare_squares(dot(&d, &d), reach)
-                .or_else(|| compare_on_axis(p, q, [a.radius, b.radius, margin]))
+                .or_else(|| compare_on_axis(&p, q, [a.radius, b.radius, margin]))
         }
-        (Core::Point(p), Core::Segment(s)) | (Core::Segment(s), Core::Point(p)) => {
-            let (d, s) = (difference(p, &s[0]), Segment::new(s, [0.0; 3]));
-            from_point(&d, &s, reach)
-        }
-        (Core::Segment(s), Core::Segment(t)) => {
+        (Core::Point(p), Core::Segment(s)) => from_point(&at.point(p), s, reach),
+        (Core::Segment([p, q]), Core::Point(other)) => from_point(other, &[at.point(p), at.point(q)], reach),
+        (Core::Segment([p, q]), Core::Segment(t)) => {
+            let s = [at.point(p), at.point(q)];
             let d = difference(&t[0], &s[0]);
-            search::segments(&Segment::new(s, [0.0; 3]), &Segment::new(t, d), reach)
+            search::segments(&Segment::new(&s, [0.0; 3]), &Segment::new(t, d), reach)
         }
-        (Core::HalfSpace { .. }, _) | (_, Core::HalfSpace { .. }) => half_space::decide(a, b, reach),
-        _ => return pairs::decide(&PairAndMargin { a, b, margin, reach }),
+        (Core::HalfSpace { .. }, _) | (_, Core::HalfSpace { .. }) => {
+            at.with(a, |a| half_space::decide(a, b, reach))
+        }
+        _ => return pairs::decide(&asked),
     };
-    certain.or_else(|| aligned::decide(a, b, margin))
+    certain.or_else(|| asked.aligned_surely())
 }
 
 /// Whether the norm of a vector of exact differences, rounded once, is at most `reach`.
@@ -96,13 +112,14 @@ fn compare_on_axis(p: &Point, q: &Point, [r, s, margin]: [f64; 3]) -> Option<boo
     (is_exact && is_on_axis).then(|| x.0.abs() + y.0.abs() + z.0.abs() <= reach)
 }
 
-/// A point against a segment from the origin.
+/// A point against a segment.
 ///
 /// The parameter of the nearest point is off by a relative 4 u of `|d| / |edge|` before it is clamped, so the computed
 /// nearest point is within `8 u size` of the exact one, and `|n|` within 16 u size of the distance.
 #[inline]
-fn from_point(d: &Point, segment: &Segment, reach: f64) -> Option<bool> {
-    let n = difference(d, &segment.nearest(d));
-    let size = norm_1(d) + segment.size();
+fn from_point(p: &Point, ends: &[Point; 2], reach: f64) -> Option<bool> {
+    let (d, segment) = (difference(p, &ends[0]), Segment::new(ends, [0.0; 3]));
+    let n = difference(&d, &segment.nearest(&d));
+    let size = norm_1(&d) + segment.size();
     compare(dot(&n, &n), reach, size * power_of_two(-48))
 }

@@ -49,6 +49,7 @@ pub(crate) mod fast;
 mod hull;
 pub mod lanes;
 mod pair;
+mod place;
 mod signed;
 mod stored;
 
@@ -59,7 +60,7 @@ pub use error::ShapeError;
 #[cfg(feature = "alloc")]
 pub(crate) use error::length;
 pub(crate) use hull::hull_of;
-pub(crate) use pair::{is_near, nearer};
+pub(crate) use pair::{is_near, is_near_posed, nearer, nearer_posed};
 pub use pair::{is_within, meets, separation};
 pub use signed::{Convex, SignedSeparation, signed_separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};

@@ -5,9 +5,10 @@
 //! For other pairs the bounds decide, which are within 2^-40 of the size of the two: only a pair that is certainly
 //! free is free.
 
-use super::bounds::{Certified, bounds};
+use super::bounds::{Certified, bounds, bounds_posed};
 use super::exact::{self, aligned};
-use super::fast::decide;
+use super::fast::{decide, decide_posed};
+use crate::pose::Pose;
 use crate::primitive::Separation;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::triangle::distance::TIGHT;
@@ -43,6 +44,15 @@ pub(crate) fn is_near(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> boo
     }
 }
 
+/// [`is_near`] of `a` at a pose.
+#[inline(never)]
+pub(crate) fn is_near_posed(a: &Shape, pose: &Pose, b: &Shape, margin: f64, exact: &mut u64) -> bool {
+    match decide_posed(a, pose, b, margin) {
+        Some(is_near) => is_near,
+        None => is_near_surely(&a.moved(pose), b, margin, exact),
+    }
+}
+
 #[cold]
 #[inline(never)]
 fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
@@ -66,6 +76,30 @@ pub(crate) fn nearer(
     exact: &mut u64,
 ) -> Option<Separation> {
     let found = bounds(a, b, limit, tolerance);
+    decided(&found, limit, exact, || exactly_meets(a, b))
+}
+
+/// [`nearer`] for `a` at a pose.
+#[inline(never)]
+pub(crate) fn nearer_posed(
+    a: &Shape,
+    pose: &Pose,
+    b: &Shape,
+    limit: f64,
+    tolerance: f64,
+    exact: &mut u64,
+) -> Option<Separation> {
+    let found = bounds_posed(a, pose, b, limit, tolerance);
+    decided(&found, limit, exact, || exactly_meets(&a.moved(pose), b))
+}
+
+#[inline(always)]
+fn decided(
+    found: &Certified,
+    limit: f64,
+    exact: &mut u64,
+    meets: impl FnOnce() -> Option<bool>,
+) -> Option<Separation> {
     if found.lower > limit {
         return None;
     }
@@ -73,9 +107,18 @@ pub(crate) fn nearer(
         (found.lower, found.upper)
     } else {
         *exact += 1;
-        let meets = aligned::decide(a, b, 0.0).or_else(|| exact::is_within(a, b, 0.0)).unwrap_or(true);
         // Apart by less than the bounds resolve.
-        (0.0, if meets { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
+        (0.0, if meets().unwrap_or(true) { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
     };
     Some(Separation { lower, upper, a: found.a, b: found.b })
 }
+
+#[cold]
+#[inline(never)]
+fn exactly_meets(a: &Shape, b: &Shape) -> Option<bool> {
+    aligned::decide(a, b, 0.0).or_else(|| exact::is_within(a, b, 0.0))
+}
+
+#[cfg(test)]
+#[cfg(not(miri))]
+mod tests;

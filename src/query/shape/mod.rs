@@ -13,7 +13,7 @@ use super::lanes::Lanes;
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::pose::Pose;
-use crate::primitive::shape::{Core, is_near, nearer};
+use crate::primitive::shape::{Core, is_near_posed, nearer_posed};
 use crate::primitive::triangle::distance::TIGHT;
 use crate::primitive::{Primitive, Separation, Shape, Shapes};
 use crate::range::Point;
@@ -264,24 +264,31 @@ impl Query {
     }
 }
 
-/// Queries of two shapes in one frame, for bodies that are shapes.
+/// Queries of two shapes, for bodies that are shapes.
 impl Query {
-    // Not inlined: scenes without shapes should not pay for its stack frame.
-    #[inline(never)]
-    pub(crate) fn shapes_within(&self, a: &Shape, b: &Shape, margin: f64) -> Answer {
+    // Inlined, so that a caller pays only for the parts of an answer that it reads.
+    #[inline]
+    pub(crate) fn shapes_within(&self, a: &Shape, pose: &Pose, b: &Shape, margin: f64) -> Answer {
         let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
-        let is_near = is_near(a, b, margin, &mut stats.exact_pairs);
+        let is_near = is_near_posed(a, pose, b, margin, &mut stats.exact_pairs);
         let verdict = if is_near { Verdict::Hit(Pair { a: 0, b: 0 }) } else { Verdict::Free };
         Answer { verdict, stats, hint: Hint::NONE }
     }
 
-    // Not inlined: scenes without shapes should not pay for its stack frame.
-    #[inline(never)]
-    pub(crate) fn shapes_distance(&self, a: &Shape, b: &Shape, tolerance: f64, cutoff: f64) -> Distance {
+    // Inlined, so that a caller pays only for the parts of an answer that it reads.
+    #[inline]
+    pub(crate) fn shapes_distance(
+        &self,
+        a: &Shape,
+        pose: &Pose,
+        b: &Shape,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Distance {
         let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
         let tolerance = if tolerance > TIGHT { tolerance } else { TIGHT };
-        let found =
-            nearer(a, b, cutoff, tolerance, &mut stats.exact_pairs).filter(|found| found.upper <= cutoff);
+        let found = nearer_posed(a, pose, b, cutoff, tolerance, &mut stats.exact_pairs)
+            .filter(|found| found.upper <= cutoff);
         Distance {
             lower: found.map_or(cutoff, |found| found.lower),
             upper: found.map_or(f64::INFINITY, |found| found.upper),

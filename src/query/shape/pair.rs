@@ -19,14 +19,16 @@ impl Query {
     /// assert!(distance.lower <= 1.5 && 1.5 <= distance.upper && distance.upper < 1.5 + 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[inline]
     pub fn collide_shapes(&self, a: &Shape, b: &Shape, pose: &Pose) -> Answer {
-        self.shapes_within(&a.moved(pose), b, 0.0)
+        self.shapes_within(a, pose, b, 0.0)
     }
 
     /// Whether two shapes come within `margin` of each other. As [`Query::collide_shapes`].
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
+    #[inline]
     pub fn within_shapes(
         &self,
         a: &Shape,
@@ -34,13 +36,14 @@ impl Query {
         pose: &Pose,
         margin: f64,
     ) -> Result<Answer, ToleranceError> {
-        Ok(self.shapes_within(&a.moved(pose), b, checked(margin)?))
+        Ok(self.shapes_within(a, pose, b, checked(margin)?))
     }
 
     /// The distance of two shapes, if it is at most `cutoff`. As [`Query::distance_shape`].
     ///
     /// # Errors
     /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN, or `cutoff` negative or NaN.
+    #[inline]
     pub fn distance_shapes(
         &self,
         a: &Shape,
@@ -50,6 +53,6 @@ impl Query {
         cutoff: f64,
     ) -> Result<Distance, ToleranceError> {
         let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)? };
-        Ok(self.shapes_distance(&a.moved(pose), b, checked(tolerance)?, cutoff))
+        Ok(self.shapes_distance(a, pose, b, checked(tolerance)?, cutoff))
     }
 }

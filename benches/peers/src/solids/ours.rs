@@ -8,7 +8,7 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::primitive::shape::{Shape, meets, separation};
+use simdop::primitive::shape::Shape;
 use simdop::query::Query;
 use std::rc::Rc;
 
@@ -30,26 +30,27 @@ fn poses(suite: &Suite) -> Vec<Pose> {
 }
 
 fn shapes(suite: &Suite) -> Entrant {
+    let query = Query::new(Isa::detect());
     let poses = poses(suite);
     let of: Vec<usize> = suite.cases.iter().map(|case| case.pair).collect();
     let pairs: Vec<[Shape; 2]> =
         suite.pairs.iter().map(|pair| pair.map(|solid: Solid| solid.shape())).collect();
-    let placed = Rc::new(move |i: usize| {
-        let [a, b] = &pairs[of[i]];
-        (a.moved(&poses[i]), *b)
-    });
-    let again = Rc::clone(&placed);
+    let kept = Rc::new((poses, of, pairs));
+    let again = Rc::clone(&kept);
     Entrant {
         name: OURS.to_owned(),
         version: "f64".to_owned(),
         collide: Box::new(move |i| {
-            let (a, b) = placed(i);
-            meets(&a, &b)
+            let (poses, of, pairs) = &*kept;
+            let [a, b] = &pairs[of[i]];
+            query.collide_shapes(a, b, &poses[i]).hit().is_some()
         }),
         distance: Some(Box::new(move |i| {
-            let (a, b) = again(i);
-            let found = separation(&a, &b, f64::INFINITY, 0.0)?;
-            Some(Distance { distance: found.upper, points: [found.a, found.b] })
+            let (poses, of, pairs) = &*again;
+            let [a, b] = &pairs[of[i]];
+            let found = query.distance_shapes(a, b, &poses[i], 0.0, f64::INFINITY).ok()?;
+            let witness = found.witness?;
+            Some(Distance { distance: found.upper, points: [witness.a, witness.b] })
         })),
     }
 }

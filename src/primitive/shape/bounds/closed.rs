@@ -11,6 +11,7 @@ use super::support::each;
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
+use crate::primitive::shape::place::Place;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -26,46 +27,55 @@ use products::Zonotope;
 /// Bounds of the distance between two shapes as [`super::search::bounds`] gives them, or `None` if they would not be
 /// as tight.
 #[inline(always)]
-pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option<Certified> {
+pub(super) fn bounds<P: Place>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Option<Certified> {
     let goal = || Target::new(a.radius, b.radius, limit, tolerance);
     let turned = || Target::new(b.radius, a.radius, limit, tolerance);
     match (&a.core, &b.core) {
-        (Core::Point(p), Core::Point(q)) => Some(points(p, q, &goal())),
-        (Core::Point(p), Core::Segment(s)) => point_and_segment(p, s, &goal()),
-        (Core::Segment(s), Core::Point(p)) => point_and_segment(p, s, &turned()).map(swapped),
-        (Core::Segment(s), Core::Segment(t)) => {
-            let (g, h) = (half_of(s), half_of(t));
+        (Core::Point(p), Core::Point(q)) => Some(points(&at.point(p), q, &goal())),
+        (Core::Point(p), Core::Segment(s)) => point_and_segment(&at.point(p), s, &goal()),
+        (Core::Segment([p, q]), Core::Point(other)) => {
+            point_and_segment(other, &[at.point(p), at.point(q)], &turned()).map(swapped)
+        }
+        (Core::Segment([p, q]), Core::Segment(t)) => {
+            let s = [at.point(p), at.point(q)];
+            let (g, h) = (half_of(&s), half_of(t));
             let (a, b) = (Zonotope { origin: &s[0], half: &g }, Zonotope { origin: &t[0], half: &h });
             blocks(&a, &b, &goal())
         }
         (Core::Point(p), Core::Cuboid { centre, half }) => {
-            let (a, b) = (Zonotope { origin: p, half: &[] }, Zonotope { origin: centre, half });
-            blocks(&a, &b, &goal())
+            point_and_cuboid(&at.point(p), centre, half, &goal())
         }
         (Core::Cuboid { centre, half }, Core::Point(p)) => {
-            let (a, b) = (Zonotope { origin: p, half: &[] }, Zonotope { origin: centre, half });
-            blocks(&a, &b, &turned()).map(swapped)
+            let centre = at.point(centre);
+            at.with_vectors(half, |half| point_and_cuboid(p, &centre, half, &turned())).map(swapped)
         }
-        (Core::Point(p), Core::Triangle(t)) => point_and_triangle(p, t, &goal()),
-        (Core::Triangle(t), Core::Point(p)) => point_and_triangle(p, t, &turned()).map(swapped),
-        (Core::Segment(s), Core::Cuboid { centre, half }) => segment_and_cuboid(s, centre, half, &goal()),
+        (Core::Point(p), Core::Triangle(t)) => point_and_triangle(&at.point(p), t, &goal()),
+        (Core::Triangle([p, q, r]), Core::Point(other)) => {
+            let t = [at.point(p), at.point(q), at.point(r)];
+            point_and_triangle(other, &t, &turned()).map(swapped)
+        }
+        (Core::Segment([p, q]), Core::Cuboid { centre, half }) => {
+            segment_and_cuboid(&[at.point(p), at.point(q)], centre, half, &goal())
+        }
         (Core::Cuboid { centre, half }, Core::Segment(s)) => {
-            segment_and_cuboid(s, centre, half, &turned()).map(swapped)
+            let centre = at.point(centre);
+            at.with_vectors(half, |half| segment_and_cuboid(s, &centre, half, &turned())).map(swapped)
         }
         (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) => {
-            cuboids(c, g, centre, half, &goal())
+            let c = at.point(c);
+            at.with_vectors(g, |g| cuboids(&c, g, centre, half, &goal()))
         }
         (Core::Point(p), Core::Cylinder { centre, half_axis, radius }) => {
-            point_and_cylinder(p, centre, half_axis, *radius, &goal())
+            point_and_cylinder(&at.point(p), centre, half_axis, *radius, &goal())
         }
         (Core::Cylinder { centre, half_axis, radius }, Core::Point(p)) => {
-            point_and_cylinder(p, centre, half_axis, *radius, &turned()).map(swapped)
+            point_and_cylinder(p, &at.point(centre), &at.vector(half_axis), *radius, &turned()).map(swapped)
         }
         (Core::Point(p), Core::Cone { base, axis, radius }) => {
-            point_and_cone(p, base, axis, *radius, &goal())
+            point_and_cone(&at.point(p), base, axis, *radius, &goal())
         }
         (Core::Cone { base, axis, radius }, Core::Point(p)) => {
-            point_and_cone(p, base, axis, *radius, &turned()).map(swapped)
+            point_and_cone(p, &at.point(base), &at.vector(axis), *radius, &turned()).map(swapped)
         }
         _ => None,
     }
@@ -235,6 +245,11 @@ fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Tar
 #[inline(never)]
 fn cuboids(c: &Point, g: &[Point; 3], centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {
     blocks(&Zonotope { origin: c, half: g }, &Zonotope { origin: centre, half }, goal)
+}
+
+#[inline(always)]
+fn point_and_cuboid(p: &Point, centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {
+    blocks(&Zonotope { origin: p, half: &[] }, &Zonotope { origin: centre, half }, goal)
 }
 
 #[inline(never)]

@@ -23,9 +23,23 @@ pub use certified::Depth;
 pub use depth::depth;
 
 use super::convex::Shape;
+use super::place::{InPlace, Place};
+use crate::pose::Pose;
 
 /// Bounds of the distance, in closed form if there is one.
 #[inline(never)]
 pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certified {
-    closed::bounds(a, b, limit, tolerance).unwrap_or_else(|| search::bounds(a, b, limit, tolerance))
+    placed(a, InPlace, b, limit, tolerance)
+}
+
+/// [`bounds`] for `a` at a pose.
+#[inline(always)]
+pub(super) fn bounds_posed(a: &Shape, pose: &Pose, b: &Shape, limit: f64, tolerance: f64) -> Certified {
+    placed(a, pose, b, limit, tolerance)
+}
+
+#[inline(always)]
+fn placed<P: Place>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Certified {
+    closed::bounds(a, at, b, limit, tolerance)
+        .unwrap_or_else(|| at.with(a, |a| search::bounds(a, b, limit, tolerance)))
 }

@@ -11,6 +11,7 @@ use super::newton::{self, Newton, Places};
 use super::support::{Operands, each};
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::exact::aligned;
 use crate::range::Point;
 use crate::vector::{cross, dot};
 
@@ -30,6 +31,9 @@ const COMMON_STEPS: usize = 16;
 /// Points with a smaller squared distance, in units of the squared size, may be a common interior point.
 const NEAR: f64 = power_of_two(-60);
 
+/// Points of shapes that meet, relative to the size. The promise of [`super::bounds`] is 2^-26.
+const CLOSE: f64 = power_of_two(-28);
+
 /// Initial directions: the vector between the centres plus one of these, in units of the size.
 const STARTS: [Point; 5] =
     [[0.0; 3], [0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47]];
@@ -46,7 +50,7 @@ pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certif
         return super::half_space::bounds(a, b);
     };
     if COMFORTABLE.contains(&pair.size) || pair.size == 0.0 {
-        DistanceSearch::new(&pair, radii, limit, tolerance).run()
+        DistanceSearch::new(&pair, radii, limit, tolerance).run(a, b)
     } else {
         rescaled(a, b, limit, tolerance, pair.size)
     }
@@ -60,7 +64,7 @@ fn rescaled(a: &Shape, b: &Shape, limit: f64, tolerance: f64, size: f64) -> Cert
         return Certified { lower: 0.0, upper: f64::INFINITY, a: [0.0; 3], b: [0.0; 3] };
     };
     let radii = [a.radius * scale, b.radius * scale];
-    let found = DistanceSearch::new(&pair, radii, limit * scale, tolerance).run();
+    let found = DistanceSearch::new(&pair, radii, limit * scale, tolerance).run(a, b);
     let back = |x: f64| x / scale;
     Certified {
         lower: back(found.lower),
@@ -106,17 +110,29 @@ impl<'p> DistanceSearch<'p> {
     }
 
     #[inline(always)]
-    fn run(mut self) -> Certified {
-        self.search();
+    fn run(mut self, a: &Shape, b: &Shape) -> Certified {
+        if !self.newton(Places::guess(self.pair)) && !self.touches(a, b) {
+            self.gjk();
+        }
+        if self.may_meet() && !self.touches(a, b) {
+            self.overlap();
+        }
         self.finish()
     }
 
-    #[inline(always)]
-    fn search(&mut self) {
-        self.approach();
-        if self.may_meet() {
-            self.overlap();
+    /// Whether the closest points found are close enough to be those of shapes that certainly meet, which the search
+    /// could not tell. Exact, for shapes along the axes.
+    #[inline(never)]
+    fn touches(&mut self, a: &Shape, b: &Shape) -> bool {
+        let are_close = self.lower <= 0.0 && self.upper - self.radius[0] <= CLOSE * self.pair.size;
+        let touches = are_close
+            && aligned::may_be_aligned(&a.core)
+            && aligned::may_be_aligned(&b.core)
+            && aligned::decide(a, b, 0.0) == Some(true);
+        if touches {
+            self.upper = 0.0;
         }
+        touches
     }
 
     /// Looks for the closest points.

@@ -1,4 +1,5 @@
-//! Shapes along the coordinate axes, such as objects on a shelf, decided exactly in integers of 128 bits.
+//! Shapes along the coordinate axes, such as objects on a shelf, decided exactly: in `f64` if no sum is rounded, else in
+//! integers of 128 bits.
 //!
 //! Bodies that touch are usually aligned, and their numbers are multiples of a unit that is not too small. Then
 //! points, segments and cuboids are products of three intervals. Cylinders are products of a disc and an interval, and
@@ -12,6 +13,8 @@ use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::{MIN_COORDINATE, Point};
 
+mod sums;
+
 /// The exponent of the greatest number, in units.
 const BITS: i32 = 58;
 
@@ -23,6 +26,11 @@ pub(in crate::primitive::shape) fn decide(a: &Shape, b: &Shape, margin: f64) -> 
     if margin > 0.0 && margin < MIN_COORDINATE {
         return None;
     }
+    sums::decide(a, b, margin).or_else(|| in_integers(a, b, margin))
+}
+
+#[inline(always)]
+fn in_integers(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     let of_reach = bits(a.radius).max(bits(b.radius)).max(bits(margin));
     let exponent = (greatest(&a.core).max(greatest(&b.core)).max(of_reach) >> 52) as i32 - 1023;
     if !(-300..=310).contains(&exponent) {

@@ -206,22 +206,18 @@ impl Supported for TriangleCore {
 pub(super) struct Cuboid<'a> {
     at: Point,
     half: &'a [Point; 3],
-    /// Approximate reciprocals of the squares of `half`.
-    inverse: [f64; 3],
+    /// Of `half`.
+    squares: [f64; 3],
 }
 
 impl<'a> Cuboid<'a> {
     /// `None` if a half edge is too short or too long for the product of all squares.
     #[inline(always)]
     pub(super) fn new(half: &'a [Point; 3], at: Point) -> Option<Self> {
-        let [x, y, z] = [dot(&half[0], &half[0]), dot(&half[1], &half[1]), dot(&half[2], &half[2])];
-        // One division for three.
-        let (xy, volume) = (x * y, (x * y) * z);
-        if !(volume > power_of_two(-1000) && volume < power_of_two(1000)) {
-            return None;
-        }
-        let one = 1.0 / volume;
-        Some(Self { at, half, inverse: [one * (y * z), one * (x * z), one * xy] })
+        let squares = [dot(&half[0], &half[0]), dot(&half[1], &half[1]), dot(&half[2], &half[2])];
+        let product = (squares[0] * squares[1]) * squares[2];
+        let is_in_range = product > power_of_two(-1000) && product < power_of_two(1000);
+        is_in_range.then_some(Self { at, half, squares })
     }
 }
 
@@ -247,10 +243,12 @@ impl Supported for Cuboid<'_> {
     #[inline(always)]
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
         let w = difference(p, &self.at);
-        let (h, inverse) = (self.half, &self.inverse);
-        let x = clamp(dot(&w, &h[0]) * inverse[0], -scale, scale);
-        let y = clamp(dot(&w, &h[1]) * inverse[1], -scale, scale);
-        let z = clamp(dot(&w, &h[2]) * inverse[2], -scale, scale);
+        let (h, [xx, yy, zz]) = (self.half, self.squares);
+        // One division for three.
+        let one = 1.0 / ((xx * yy) * zz);
+        let x = clamp(dot(&w, &h[0]) * (one * (yy * zz)), -scale, scale);
+        let y = clamp(dot(&w, &h[1]) * (one * (xx * zz)), -scale, scale);
+        let z = clamp(dot(&w, &h[2]) * (one * (xx * yy)), -scale, scale);
         plus(&combination(&[x, y, z], h), &self.at)
     }
 

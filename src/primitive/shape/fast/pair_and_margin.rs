@@ -2,21 +2,32 @@
 
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::exact::aligned;
+use crate::primitive::shape::place::Place;
 
 /// A pair of shapes and the margin to decide.
-pub(super) struct PairAndMargin<'a> {
+#[derive(Copy, Clone)]
+pub(super) struct PairAndMargin<'a, P> {
     pub(super) a: &'a Shape,
+    /// Where A is.
+    pub(super) at: P,
     pub(super) b: &'a Shape,
     pub(super) margin: f64,
     /// The sum of the radii and the margin.
     pub(super) reach: f64,
 }
 
-impl PairAndMargin<'_> {
+impl<P: Place> PairAndMargin<'_, P> {
     /// The verdict if both shapes are along the axes.
     #[inline(always)]
     pub(super) fn aligned(&self) -> Option<bool> {
-        let are_aligned = aligned::may_be_aligned(&self.a.core) && aligned::may_be_aligned(&self.b.core);
-        if are_aligned { aligned::decide(self.a, self.b, self.margin) } else { None }
+        if aligned::may_be_aligned(&self.b.core) { self.aligned_surely() } else { None }
+    }
+
+    /// [`Self::aligned`], without a test of B's first vector before A is moved.
+    #[inline(never)]
+    pub(super) fn aligned_surely(&self) -> Option<bool> {
+        self.at.with(self.a, |a| {
+            if aligned::may_be_aligned(&a.core) { aligned::decide(a, self.b, self.margin) } else { None }
+        })
     }
 }

@@ -5,6 +5,7 @@ use super::margins::{ERROR, FEW};
 use super::pair_and_margin::PairAndMargin;
 use super::simplex::{FilterSimplex, NearestPoint};
 use crate::exact::power_of_two;
+use crate::primitive::shape::place::Place;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -112,25 +113,31 @@ pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<b
 pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
     let limits = Thresholds::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
     let (p, q, mixed) = (dot(&a.edge, &b.at), dot(&b.edge, &b.at), dot(&a.edge, &b.edge));
-    // Where the division fails, NaN becomes 0, and the certificates judge any two points.
+    // The divisions do not wait for each other. Where one fails, NaN becomes 0, and the certificates judge any two
+    // points.
+    let (of_a, of_b) = (1.0 / a.square, 1.0 / b.square);
     let s = clamp((p * b.square - mixed * q) / (a.square * b.square - mixed * mixed), 0.0, 1.0);
-    let t = clamp((mixed * s - q) / b.square, 0.0, 1.0);
-    let s = clamp((mixed * t + p) / a.square, 0.0, 1.0);
+    let t = clamp((mixed * s - q) * of_b, 0.0, 1.0);
+    let s = clamp((mixed * t + p) * of_a, 0.0, 1.0);
     limits.judge(a, b, &difference(&b.point(t), &a.point(s)), limits.near)
 }
 
 /// Two cores. The reference point of A is the origin.
 #[inline(always)]
-pub(super) fn decide<A: Supported, B: Supported>(a: &A, b: &B, asked: &PairAndMargin<'_>) -> Option<bool> {
+pub(super) fn decide<A: Supported, B: Supported, P: Place>(
+    a: &A,
+    b: &B,
+    asked: &PairAndMargin<'_, P>,
+) -> Option<bool> {
     decide_with(a, b, asked, |_| None)
 }
 
 /// [`decide`] with another filter before the search, which gets `size`.
 #[inline(always)]
-pub(super) fn decide_with<A: Supported, B: Supported>(
+pub(super) fn decide_with<A: Supported, B: Supported, P: Place>(
     a: &A,
     b: &B,
-    asked: &PairAndMargin<'_>,
+    asked: &PairAndMargin<'_, P>,
     filter: impl FnOnce(f64) -> Option<bool>,
 ) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());

@@ -187,7 +187,7 @@ fn exact(a: &Shape, b: &Shape, margin: f64, unit: i32) -> Option<bool> {
     Some(within(&p, &q, &(&reach * &reach)))
 }
 
-fn pose(rng: &mut Rng, range: f64) -> Pose {
+pub(crate) fn pose(rng: &mut Rng, range: f64) -> Pose {
     let rows = rng.rotation();
     let rotation = match rng.below(4) {
         0 => DMat3::IDENTITY,
@@ -208,7 +208,7 @@ fn pose(rng: &mut Rng, range: f64) -> Pose {
     Pose::new(rotation, DVec3::from_array(t)).unwrap()
 }
 
-fn shape(rng: &mut Rng, kind: u64) -> Shape {
+pub(crate) fn shape(rng: &mut Rng, kind: u64) -> Shape {
     let is_grid = rng.below(3) == 0;
     let is_thin = rng.below(4) == 0;
     let mut length = || {
@@ -252,7 +252,7 @@ pub(crate) fn scaled(s: &Shape, by: f64) -> Shape {
 }
 
 /// The greatest margin at which the verdict is `false`, up to rounding, if there is one.
-fn distance(a: &Shape, b: &Shape) -> f64 {
+pub(crate) fn distance(a: &Shape, b: &Shape) -> f64 {
     let (mut low, mut high) = (0.0, 16.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -561,7 +561,7 @@ fn round_solids_are_between_prisms() {
             let other = search::decide(
                 &Hull::new(&p, &p[0]),
                 &Hull::new(&q, &p[0]),
-                &PairAndMargin { a: &none, b: &none, margin, reach },
+                &PairAndMargin { a: &none, at: InPlace, b: &none, margin, reach },
             );
             certain += 1;
             all += usize::from(other.is_some());

@@ -4,6 +4,7 @@ use super::super::search::tests::samples::{Sampled, moved, scaled};
 use super::super::search::tests::truth;
 use super::bounds;
 use crate::exact::power_of_two;
+use crate::primitive::shape::place::InPlace;
 use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
 use crate::rng::Rng;
@@ -41,7 +42,7 @@ fn distance(a: &Core, b: &Core) -> Double {
 
 /// Whether there is a closed form, and the vector from A's witness to B's if they are apart.
 fn check(a: &Shape, b: &Shape, tolerance: f64) -> (bool, Option<Point>) {
-    let Some(found) = bounds(a, b, f64::INFINITY, tolerance) else {
+    let Some(found) = bounds(a, InPlace, b, f64::INFINITY, tolerance) else {
         return (false, None);
     };
     let text = format!("{a:?}\n{b:?}\n{found:?}");
@@ -64,7 +65,7 @@ fn check(a: &Shape, b: &Shape, tolerance: f64) -> (bool, Option<Point>) {
     let apart = length(&minus(&exact(&found.a), &exact(&found.b))).0;
     let floor = if found.upper == 0.0 { power_of_two(-26) * size } else { floor };
     assert!((apart - found.upper).abs() <= floor, "{apart} {text}");
-    let back = bounds(b, a, f64::INFINITY, tolerance);
+    let back = bounds(b, InPlace, a, f64::INFINITY, tolerance);
     assert!(
         back.is_none_or(|back| back.lower <= found.upper && found.lower <= back.upper),
         "{back:?} {text}"
@@ -104,7 +105,7 @@ fn closed_forms_of_all_scales_hold() {
                 let scale = power_of_two(exponent);
                 let [p, q] = [&a, &b].map(|s| scaled(s, scale));
                 let (Some(found), other) =
-                    (bounds(&p, &q, f64::INFINITY, 1e-6), general(&a, &b, 1e300, 1e-6))
+                    (bounds(&p, InPlace, &q, f64::INFINITY, 1e-6), general(&a, &b, 1e300, 1e-6))
                 else {
                     continue;
                 };
@@ -126,7 +127,7 @@ fn a_limit_ends_closed_forms() {
             let [a, b] = random.pair(kinds);
             let found = general(&a, &b, f64::INFINITY, 1e-9);
             for share in [0.0, 0.5, 0.999, 1.001, 2.0] {
-                if let Some(limited) = bounds(&a, &b, share * found.upper, 1e-9) {
+                if let Some(limited) = bounds(&a, InPlace, &b, share * found.upper, 1e-9) {
                     assert!(limited.lower <= found.upper && found.lower <= limited.upper);
                 }
             }
