@@ -17,62 +17,25 @@ const ROUNDS: usize = 20;
 /// the direction.
 const LEAST: f64 = power_of_two(-500);
 
-/// What both certificates compare with.
+/// What gaps are compared with.
 #[derive(Copy, Clone, Debug)]
-struct Thresholds {
-    /// The square of the distance between two computed points that shows that the shapes are within the margin;
-    /// negative if there is none.
-    near: f64,
-    /// The same for points of the shrunk cores.
-    near_of_shrunk: f64,
-    /// The same for the reference points, about which the cores contain balls.
-    near_of_balls: f64,
+struct Far {
     /// The distance that a gap must exceed.
     far: f64,
     size: f64,
     /// Bound of the error of the difference of two points.
     error: f64,
-    /// The factor by which cores are shrunk.
-    scale: f64,
 }
 
-impl Thresholds {
+impl Far {
     /// `None` if `size` is out of the range of the error analysis.
-    ///
-    /// A convex core that contains a ball of radius r contains all points at most `(1 - scale) r` from the core shrunk
-    /// by `scale` about the centre of the ball.
     #[inline(always)]
-    fn new(size: f64, inner: f64, reach: f64) -> Option<Self> {
+    fn new(size: f64, reach: f64) -> Option<Self> {
         if !(size > power_of_two(-100) && size < power_of_two(100)) {
             return None;
         }
         let error = size * ERROR;
-        let (scale, wider) = if reach < inner * (4.0 * SHRINK) {
-            (1.0 - SHRINK, reach + inner * SHRINK)
-        } else {
-            (1.0, reach)
-        };
-        let near = |reach: f64| {
-            let near = reach * (1.0 - FEW) - error;
-            if near > 0.0 { near * near } else { -1.0 }
-        };
-        let far = reach * (1.0 + FEW) + error;
-        Some(Self {
-            near: near(reach),
-            near_of_shrunk: near(wider),
-            near_of_balls: near(reach + inner),
-            far,
-            size,
-            error,
-            scale,
-        })
-    }
-
-    /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
-    #[inline(always)]
-    fn judge<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
-        let square = dot(n, n);
-        if square <= near { Some(true) } else { self.is_apart(a, b, n, square).then_some(false) }
+        Some(Self { far: reach * (1.0 + FEW) + error, size, error })
     }
 
     /// Whether the gap along `n`, whose square is `square`, separates the shapes.
@@ -91,6 +54,47 @@ impl Thresholds {
     }
 }
 
+/// What both certificates compare with.
+#[derive(Copy, Clone, Debug)]
+struct Thresholds {
+    of_gap: Far,
+    /// The square of the distance between two computed points that shows that the shapes are within the margin;
+    /// negative if there is none.
+    near: f64,
+    /// The same for points of the shrunk cores.
+    near_of_shrunk: f64,
+    /// The same for the reference points, about which the cores contain balls.
+    near_of_balls: f64,
+    /// The factor by which cores are shrunk.
+    scale: f64,
+}
+
+impl Thresholds {
+    /// A convex core that contains a ball of radius r contains all points at most `(1 - scale) r` from the core shrunk
+    /// by `scale` about the centre of the ball.
+    #[inline(always)]
+    fn new(of_gap: Far, inner: f64, reach: f64) -> Self {
+        let (scale, wider) = if reach < inner * (4.0 * SHRINK) {
+            (1.0 - SHRINK, reach + inner * SHRINK)
+        } else {
+            (1.0, reach)
+        };
+        let near = |reach: f64| {
+            let near = reach * (1.0 - FEW) - of_gap.error;
+            if near > 0.0 { near * near } else { -1.0 }
+        };
+        let (near, near_of_shrunk, near_of_balls) = (near(reach), near(wider), near(reach + inner));
+        Self { of_gap, near, near_of_shrunk, near_of_balls, scale }
+    }
+
+    /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
+    #[inline(always)]
+    fn judge<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
+        let square = dot(n, n);
+        if square <= near { Some(true) } else { self.of_gap.is_apart(a, b, n, square).then_some(false) }
+    }
+}
+
 #[inline(always)]
 fn negative(v: &Point) -> Point {
     [-v[0], -v[1], -v[2]]
@@ -99,19 +103,19 @@ fn negative(v: &Point) -> Point {
 /// A point, relative to the reference point of a core.
 #[inline(always)]
 pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<bool> {
-    let limits = Thresholds::new(norm_1(p) + a.size(), a.inner(), reach)?;
+    let limits = Thresholds::new(Far::new(norm_1(p) + a.size(), reach)?, a.inner(), reach);
     let n = difference(p, &a.nearest_of(p, limits.scale));
     let square = dot(&n, &n);
     if square <= limits.near_of_shrunk {
         return Some(true);
     }
-    limits.separates(dot(&n, p) - a.support(&n), square).then_some(false)
+    limits.of_gap.separates(dot(&n, p) - a.support(&n), square).then_some(false)
 }
 
 /// Two segments: the nearest points of the lines, clamped (Ericson, *Real-Time Collision Detection*, 5.1.9).
 #[inline(always)]
 pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
-    let limits = Thresholds::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
+    let limits = Thresholds::new(Far::new(norm_1(&b.at) + (a.size() + b.size()), reach)?, 0.0, reach);
     let (p, q, mixed) = (dot(&a.edge, &b.at), dot(&b.edge, &b.at), dot(&a.edge, &b.edge));
     // The divisions do not wait for each other. Where one fails, NaN becomes 0, and the certificates judge any two
     // points.
@@ -141,11 +145,12 @@ pub(super) fn decide_with<A: Supported, B: Supported, P: Place>(
     filter: impl FnOnce(f64) -> Option<bool>,
 ) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
-    let limits = Thresholds::new(size, a.inner() + b.inner(), asked.reach)?;
+    let of_gap = Far::new(size, asked.reach)?;
     let square = dot(b.at(), b.at());
-    if limits.is_apart(a, b, b.at(), square) {
+    if of_gap.is_apart(a, b, b.at(), square) {
         return Some(false);
     }
+    let limits = Thresholds::new(of_gap, a.inner() + b.inner(), asked.reach);
     if square < limits.near_of_balls {
         return Some(true);
     }
@@ -196,19 +201,19 @@ fn search<A: Supported, B: Supported>(
         let w = plus(&difference(b.at(), &p), &q);
         // The gap is at most that of these two points.
         let (gap, square) = (dot(&direction, &w), dot(&direction, &direction));
-        let may_be_apart = gap > 0.0 && gap * gap > (limits.far * limits.far) * square;
-        if may_be_apart && limits.is_apart(a, b, &direction, square) {
+        let may_be_apart = gap > 0.0 && gap * gap > (limits.of_gap.far * limits.of_gap.far) * square;
+        if may_be_apart && limits.of_gap.is_apart(a, b, &direction, square) {
             return End::Certain(false);
         }
         // The distance is known to the error.
         let rest = dot(&direction, &point) - gap;
-        if rest * rest <= (limits.error * limits.error) * square {
+        if rest * rest <= (limits.of_gap.error * limits.of_gap.error) * square {
             return End::TooClose;
         }
         if !simplex.add(&w) {
             return End::Flat;
         }
-        (point, direction) = match simplex.reduce(limits.size, limits.error) {
+        (point, direction) = match simplex.reduce(limits.of_gap.size, limits.of_gap.error) {
             NearestPoint::Inside => return End::Certain(true),
             NearestPoint::Unknown => return End::Flat,
             NearestPoint::At(point, direction) => (point, direction),
