@@ -38,7 +38,7 @@ use crate::exact::{power_of_two, two_sum};
 use crate::pose::Pose;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
-use crate::primitive::shape::place::{InPlace, Place};
+use crate::primitive::shape::place::{InPlace, Placement};
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -57,7 +57,7 @@ pub(crate) fn decide_posed(a: &Shape, pose: &Pose, b: &Shape, margin: f64) -> Op
 }
 
 #[inline(always)]
-fn decide_placed<P: Place>(a: &Shape, at: P, b: &Shape, margin: f64) -> Option<bool> {
+fn decide_placed<P: Placement>(a: &Shape, at: P, b: &Shape, margin: f64) -> Option<bool> {
     let reach = (a.radius + b.radius) + margin;
     if margin < 0.0 || margin.is_nan() {
         return None;

@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::range::{Point, flush};
 
 /// Moves the numbers of a shape, with the bits of [`Shape::moved`].
-pub(super) trait Place: Copy {
+pub(super) trait Placement: Copy {
     fn point(self, p: &Point) -> Point;
     fn vector(self, v: &Point) -> Point;
     /// Calls `f` with these vectors where they are.
@@ -18,7 +18,7 @@ pub(super) trait Place: Copy {
 #[derive(Copy, Clone)]
 pub(super) struct InPlace;
 
-impl Place for InPlace {
+impl Placement for InPlace {
     #[inline(always)]
     fn point(self, p: &Point) -> Point {
         *p
@@ -40,7 +40,7 @@ impl Place for InPlace {
     }
 }
 
-impl Place for &Pose {
+impl Placement for &Pose {
     #[inline(always)]
     fn point(self, p: &Point) -> Point {
         self.apply(*p)

@@ -11,7 +11,7 @@ use super::support::each;
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
-use crate::primitive::shape::place::Place;
+use crate::primitive::shape::place::Placement;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -27,7 +27,13 @@ use products::Zonotope;
 /// Bounds of the distance between two shapes as [`super::search::bounds`] gives them, or `None` if they would not be
 /// as tight.
 #[inline(always)]
-pub(super) fn bounds<P: Place>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Option<Certified> {
+pub(super) fn bounds<P: Placement>(
+    a: &Shape,
+    at: P,
+    b: &Shape,
+    limit: f64,
+    tolerance: f64,
+) -> Option<Certified> {
     let goal = || Target::new(a.radius, b.radius, limit, tolerance);
     let turned = || Target::new(b.radius, a.radius, limit, tolerance);
     match (&a.core, &b.core) {

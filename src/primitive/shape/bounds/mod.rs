@@ -23,7 +23,7 @@ pub use certified::Depth;
 pub use depth::depth;
 
 use super::convex::Shape;
-use super::place::{InPlace, Place};
+use super::place::{InPlace, Placement};
 use crate::pose::Pose;
 
 /// Bounds of the distance, in closed form if there is one.
@@ -39,7 +39,7 @@ pub(super) fn bounds_posed(a: &Shape, pose: &Pose, b: &Shape, limit: f64, tolera
 }
 
 #[inline(always)]
-fn placed<P: Place>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Certified {
+fn placed<P: Placement>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Certified {
     closed::bounds(a, at, b, limit, tolerance)
         .unwrap_or_else(|| at.with(a, |a| search::bounds(a, b, limit, tolerance)))
 }

@@ -1,5 +1,5 @@
-//! Shapes along the coordinate axes, such as objects on a shelf, decided exactly: in `f64` if no sum is rounded, else in
-//! integers of 128 bits.
+//! Shapes along the coordinate axes, such as objects on a shelf, decided exactly: in `f64` if no sum is rounded, else
+//! in integers of 128 bits.
 //!
 //! Bodies that touch are usually aligned, and their numbers are multiples of a unit that is not too small. Then
 //! points, segments and cuboids are products of three intervals. Cylinders are products of a disc and an interval, and

@@ -2,7 +2,7 @@
 
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::exact::aligned;
-use crate::primitive::shape::place::Place;
+use crate::primitive::shape::place::Placement;
 
 /// A pair of shapes and the margin to decide.
 #[derive(Copy, Clone)]
@@ -16,7 +16,7 @@ pub(super) struct PairAndMargin<'a, P> {
     pub(super) reach: f64,
 }
 
-impl<P: Place> PairAndMargin<'_, P> {
+impl<P: Placement> PairAndMargin<'_, P> {
     /// The verdict if both shapes are along the axes.
     #[inline(always)]
     pub(super) fn aligned(&self) -> Option<bool> {

@@ -6,13 +6,13 @@ use super::pair_and_margin::PairAndMargin;
 use super::round;
 use super::search;
 use crate::primitive::shape::core::Core;
-use crate::primitive::shape::place::{InPlace, Place};
+use crate::primitive::shape::place::{InPlace, Placement};
 use crate::range::Point;
 use crate::vector::difference;
 
 const ORIGIN: Point = [0.0; 3];
 
-pub(super) fn decide<P: Place>(asked: &PairAndMargin<'_, P>) -> Option<bool> {
+pub(super) fn decide<P: Placement>(asked: &PairAndMargin<'_, P>) -> Option<bool> {
     let (at, reach) = (asked.at, asked.reach);
     let certain = match (&asked.a.core, &asked.b.core) {
         (Core::Point(p), Core::Cuboid { centre, half }) => point_cuboid(&at.point(p), centre, half, reach),
@@ -137,7 +137,7 @@ fn point_cuboid(p: &Point, centre: &Point, half: &[Point; 3], reach: f64) -> Opt
 }
 
 #[inline(always)]
-fn segment_cuboid<P: Place>(
+fn segment_cuboid<P: Placement>(
     s: &[Point; 2],
     centre: &Point,
     half: &[Point; 3],
@@ -147,7 +147,7 @@ fn segment_cuboid<P: Place>(
 }
 
 #[inline(never)]
-fn cuboids<P: Place>(asked: &PairAndMargin<'_, P>) -> Option<bool> {
+fn cuboids<P: Placement>(asked: &PairAndMargin<'_, P>) -> Option<bool> {
     let (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) = (&asked.a.core, &asked.b.core)
     else {
         return None;

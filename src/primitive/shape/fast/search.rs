@@ -5,7 +5,7 @@ use super::margins::{ERROR, FEW};
 use super::pair_and_margin::PairAndMargin;
 use super::simplex::{FilterSimplex, NearestPoint};
 use crate::exact::power_of_two;
-use crate::primitive::shape::place::Place;
+use crate::primitive::shape::place::Placement;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -128,7 +128,7 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
 
 /// Two cores. The reference point of A is the origin.
 #[inline(always)]
-pub(super) fn decide<A: Supported, B: Supported, P: Place>(
+pub(super) fn decide<A: Supported, B: Supported, P: Placement>(
     a: &A,
     b: &B,
     asked: &PairAndMargin<'_, P>,
@@ -138,7 +138,7 @@ pub(super) fn decide<A: Supported, B: Supported, P: Place>(
 
 /// [`decide`] with another filter before the search, which gets `size`.
 #[inline(always)]
-pub(super) fn decide_with<A: Supported, B: Supported, P: Place>(
+pub(super) fn decide_with<A: Supported, B: Supported, P: Placement>(
     a: &A,
     b: &B,
     asked: &PairAndMargin<'_, P>,

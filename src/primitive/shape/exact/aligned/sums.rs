@@ -1,8 +1,10 @@
 //! Shapes along the coordinate axes whose gap is a sum of `f64` numbers without a rounding, such as boxes on a table:
-//! a quarter of the time that integers take.
+//! faster than in integers.
 
-use super::{Core, Point, Shape};
 use crate::exact::two_sum;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
+use crate::range::Point;
 
 /// Whether two shapes are at most `margin` apart, if all sums are exact and the gap is along one axis.
 #[inline]
