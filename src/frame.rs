@@ -10,6 +10,7 @@ use crate::exact::{Expansion, power_of_two, terms_of_multiple};
 use crate::key::Fixed;
 use crate::key::{Key, Storage};
 use crate::range::Point;
+use crate::vector::sqrt;
 
 /// Maps a body's coordinates to its hierarchy's: translates, then scales by a power of two.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -105,7 +106,7 @@ impl Frame {
     /// Upper bound of the distance from the centre to any point within `radius` of p.
     #[cfg(feature = "alloc")]
     pub(crate) fn reach(&self, p: Point, radius: f64) -> f64 {
-        (libm::sqrt(self.square_of_way(p)) + radius) * (1.0 + power_of_two(-46))
+        (sqrt(self.square_of_way(p)) + radius) * (1.0 + power_of_two(-46))
     }
 
     /// Whether all points within `radius` of p are certainly within `reach` of the centre. True if `reach` is at
@@ -138,7 +139,7 @@ impl Frame {
             let (x, y, z) = (n[0] * d[0], n[1] * d[1], n[2] * d[2]);
             let (mut sum, mut size) = ((x + y) + z, (x.abs() + y.abs()) + z.abs());
             if radius > 0.0 {
-                let reach = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]) * radius;
+                let reach = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]) * radius;
                 (sum, size) = (sum + reach, size + reach);
             }
             let value = sum * scale;
@@ -228,7 +229,7 @@ impl Frame {
             size += n[i].abs() * (p[i].abs() + self.centre[i].abs());
         }
         let square = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
-        let reach = libm::sqrt(square) * radius;
+        let reach = sqrt(square) * radius;
         // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
         if (slack - reach).abs() > power_of_two(-48) * (size + reach) {
             return slack > reach;
@@ -263,7 +264,7 @@ impl Frame {
             square += d * d;
             size += (p[i].abs() + self.centre[i].abs()) * scale + centre[i].abs();
         }
-        let (distance, room) = (libm::sqrt(square), radius - reach * scale);
+        let (distance, room) = (sqrt(square), radius - reach * scale);
         // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
         if (room - distance).abs() > power_of_two(-48) * size {
             return room > distance;

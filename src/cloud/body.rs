@@ -8,10 +8,11 @@ use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3, Bucket, Child, Dop, Link};
 use crate::pose::Pose;
-use crate::primitive::{Primitive, Shape, Sphere, Spheres};
+use crate::primitive::{Primitive, Shape, Sphere, Spheres, radius_of};
 use crate::query::{Answer, Hint, Lanes, Pair, PrimitivePair, Query, QueryStats, Verdict};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::greatest;
+use crate::vector::{dot, sqrt};
 use core::ops::ControlFlow;
 
 /// A primitive of a body and a nearby point of a cloud.
@@ -138,8 +139,8 @@ fn checked(margin: f64) -> Result<f64, SearchError> {
 
 impl CloudRef<'_> {
     /// As [`RangeSearch::body_within`], within the budget of a query. In the answer, `a` is a primitive of the body
-    /// and `b` a point. Visits count pairs of a node of the body and a bucket; kernel calls count tests against
-    /// sixteen boxes of either tree.
+    /// and `b` a point. Visits count pairs of a node of the body and a bucket; kernel calls count tests of
+    /// sixteen boxes of either tree, or of the points of a bucket.
     // Not inlined: scenes without clouds should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn body_within<N: Lanes, P: PrimitivePair<Spheres>>(
@@ -244,11 +245,43 @@ impl CloudRef<'_> {
 /// The points of a bucket and their indices.
 #[inline(always)]
 pub(crate) fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
-    let used = bucket.used();
-    (0..16).filter(move |&slot| used >> slot & 1 != 0).map(|slot| {
+    points_in(bucket, bucket.used())
+}
+
+/// The points in these slots of a bucket, and their indices.
+#[inline(always)]
+fn points_in(bucket: &Bucket, slots: u16) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
+    (0..16).filter(move |&slot| slots >> slot & 1 != 0).map(|slot| {
         let at = Sphere { centre: bucket.point(slot).map(f64::from), radius: 0.0 };
         (bucket.indices[slot], at)
     })
+}
+
+/// A point, and a square that the kernel's squared distance from it does not exceed for points within a margin of a
+/// primitive.
+///
+/// A point within the margin is at most the margin, the primitive's radius and the distance of the farthest corner
+/// away. The factors cover the roundings of `f64`, and 8 of `f32`: in the kernel each coordinate of the difference is
+/// rounded, squared and added. What underflows there is less than the smallest normal number.
+#[inline(always)]
+fn around<P: Primitive>(item: &P::Item, margin: f64) -> ([f32; 3], f32) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for corner in P::corners(item) {
+        for k in 0..3 {
+            low[k] = if corner[k] < low[k] { corner[k] } else { low[k] };
+            high[k] = if corner[k] > high[k] { corner[k] } else { high[k] };
+        }
+    }
+    let centre = [0, 1, 2].map(|k| (0.5 * (low[k] + high[k])) as f32);
+    let mut farthest = 0.0;
+    for corner in P::corners(item) {
+        let d = [0, 1, 2].map(|k| corner[k] - f64::from(centre[k]));
+        let square = dot(&d, &d);
+        farthest = if square > farthest { square } else { farthest };
+    }
+    let reach = (sqrt(farthest) + radius_of::<P>(item)) + margin;
+    let square = (reach * reach) * (1.0 + power_of_two(-20));
+    (centre, (square as f32).next_up() + f32::MIN_POSITIVE)
 }
 
 /// A body at a pose, and bounds of its neighbourhood.
@@ -319,7 +352,10 @@ impl<'a, N: Lanes, P: PrimitivePair<Spheres>> Around<'a, N, P> {
                 Link::Leaf { first, count } => {
                     for primitive in first..first + count {
                         let moved = P::moved(&self.body.primitive(primitive), self.pose);
-                        for (point, at) in points.clone() {
+                        let (centre, square) = around::<P>(&moved, self.margin);
+                        let near = kernel.points_near(centre, square, bucket);
+                        spending.stats.kernels += 1;
+                        for (point, at) in points_in(bucket, near) {
                             if self.is_near(&moved, &at, spending.stats) {
                                 return ControlFlow::Break(Ended::Near(NearPoint { primitive, point, at }));
                             }

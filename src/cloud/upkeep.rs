@@ -1,6 +1,7 @@
 //! When to rebuild the tree (section 4.4 of the paper).
 
 use super::{CloudRef, RangeStats};
+use crate::vector::sqrt;
 
 /// When to rebuild a cloud whose points move.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -81,7 +82,7 @@ impl Upkeep {
         let levels = f64::from(usize::BITS - cloud.buckets().len().leading_zeros());
         let saved = (BUILD * levels - REFIT) * points;
         let growth = work.saturating_sub(self.first) as f64 / frames;
-        growth > 0.0 && frames >= libm::sqrt(1.0 + 2.0 * f64::max(saved, 0.0) / growth) - 1.0
+        growth > 0.0 && frames >= sqrt(1.0 + 2.0 * f64::max(saved, 0.0) / growth) - 1.0
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::directions::table;
 use crate::exact::round_up_f32;
 use crate::node::{Dop, Link};
+use crate::vector::sqrt;
 
 /// Number of levels of nodes that are measured.
 const LEVELS: usize = 3;
@@ -37,7 +38,7 @@ pub(crate) fn rotation_growth<N: Dop>(nodes: &[N]) -> f32 {
     round_up_f32(match levels {
         0 => 0.0,
         1 => product,
-        2 => libm::sqrt(product),
+        2 => sqrt(product),
         _ => libm::cbrt(product),
     })
 }

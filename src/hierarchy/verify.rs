@@ -6,6 +6,7 @@ use crate::key::Key;
 use crate::node::{BoundingBall, Dop, Link};
 use crate::primitive::{Primitive, radius_of, sphere};
 use crate::range::Point;
+use crate::vector::sqrt;
 use core::fmt;
 
 /// A plane that cuts off part of a primitive below it: a collision could be missed.
@@ -181,7 +182,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         let (n, ends) = (slab.normal(), slab.ends());
         let radius = radius_of::<P>(item);
         // Rounded up, by less than the packer's allowance.
-        let reach = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+        let reach = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
             * (radius * frame.scale())
             * (1.0 + 4.0 * f64::EPSILON);
         let is_beyond = |end: usize| {

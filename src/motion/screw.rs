@@ -3,7 +3,7 @@
 use super::{CarriedBall, Motion, MotionError, ROUNDING, chord, distance_from_axis, magnitude};
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
-use crate::vector::{difference, length, unit};
+use crate::vector::{difference, length, sqrt, unit};
 
 /// A rotation about an axis in the world, and a translation along it. Every rigid displacement is a screw motion
 /// (Chasles).
@@ -122,7 +122,7 @@ impl Motion for ScrewMotion<'_> {
         let Screw { point, direction, angle, advance } = &self.screw;
         let far = distance_from_axis(&difference(&ball.centre, point), direction) + ball.radius;
         let (turned, along) = (chord(span * angle.abs(), far), span * advance);
-        libm::sqrt(turned * turned + along * along) + self.rounding(i, ball)
+        sqrt(turned * turned + along * along) + self.rounding(i, ball)
     }
 
     /// The bodies do not move relative to each other.

@@ -5,6 +5,7 @@
 //! size.
 
 use super::Child;
+use crate::vector::sqrt;
 
 /// An axis-aligned box, closed: a point if `lower` equals `upper`.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -77,7 +78,7 @@ impl Box3 {
     #[must_use]
     pub fn fourth_root_of_volume(&self) -> f32 {
         let volume = self.volume();
-        let root = libm::sqrt(libm::sqrt(volume)) as f32;
+        let root = sqrt(sqrt(volume)) as f32;
         let square = f64::from(root) * f64::from(root);
         if square * square < volume { root.next_up() } else { root }
     }

@@ -12,6 +12,7 @@ use crate::hierarchy::{Bvh, MAX_DEPTH};
 use crate::node::{Child, Dop, Link, Node, Node16};
 use crate::primitive::triangle::distance::nearer;
 use crate::range::Point;
+use crate::vector::sqrt;
 use alloc::vec::Vec;
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -62,13 +63,13 @@ impl Surface {
     /// The triangle nearest to `p`, and its distance. `likely` is tried first.
     pub(super) fn nearest(&self, p: DVec3, likely: u32) -> (f64, u32) {
         let mut best = (self.closest(likely, p).distance_squared(p), likely);
-        let mut distance = libm::sqrt(best.0);
+        let mut distance = sqrt(best.0);
         self.near(p, distance, |index, limit| {
             let square = self.closest(index, p).distance_squared(p);
             // The lower index of two at equal distance, whichever was tried first.
             if (square, index) < best {
                 best = (square, index);
-                distance = libm::sqrt(square);
+                distance = sqrt(square);
                 *limit = distance;
             }
         });

@@ -8,6 +8,7 @@ use super::screen::{Doubts, MotionByBounds, OpenPair, Screen};
 use super::workspace::Workspace;
 use crate::motion::{JointMotion, MotionError};
 use crate::scene::{MotionAnswer, MotionMemory, MotionVerdict, Scene, SceneError, check_resolution};
+use crate::vector::sqrt;
 use alloc::vec::Vec;
 use core::num::NonZeroU32;
 
@@ -274,7 +275,7 @@ impl PlanningScene {
             let (from, to) = self.shorter(i, a[i], b[i]);
             (to - from) * (to - from)
         };
-        Ok(libm::sqrt((0..self.variables()).map(square).sum()))
+        Ok(sqrt((0..self.variables()).map(square).sum()))
     }
 }
 

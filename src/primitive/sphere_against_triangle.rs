@@ -6,6 +6,7 @@ use super::sphere::against_sphere::{ROUNDING, bounds_of_gap};
 use super::triangle::Triangle;
 use super::triangle::point::{Foot, excess};
 use crate::range::{MIN_COORDINATE, Point};
+use crate::vector::sqrt;
 
 /// Whether the two are at most `margin` apart. Exact; a margin above 0 and below [`MIN_COORDINATE`] counts as
 /// [`MIN_COORDINATE`].
@@ -70,10 +71,10 @@ pub(crate) fn nearer(
         let excess = excess(&a.centre, b, [radius, 0.0]);
         // Used for a positive excess only. The root is the distance of the centre, more accurate than the foot's
         // bounds.
-        bounds_of_gap(excess, libm::sqrt(excess.abs() + radius * radius) + radius)
+        bounds_of_gap(excess, sqrt(excess.abs() + radius * radius) + radius)
     };
     let [x, y, z] = foot.way;
-    let length = libm::sqrt((x * x + y * y) + z * z);
+    let length = sqrt((x * x + y * y) + z * z);
     let share = if upper > 0.0 && length > 0.0 { radius * foot.scale / length } else { 1.0 };
     let at = |share: f64| -> Point {
         let step = share / foot.scale;

@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::node::{Ball16, BoundingBall, Link, Node};
 use crate::parallel;
 use crate::primitive::{Primitive, Sphere, sphere};
+use crate::vector::sqrt;
 use alloc::vec::Vec;
 
 /// The balls of all lanes, in the frame. Each is the smallest ball around the spheres below, up to rounding, which only
@@ -65,7 +66,7 @@ fn around(spheres: &[Sphere], half_width: [f32; 3]) -> BoundingBall {
         core::array::from_fn(|i| (smallest[i] as f32).clamp(-half_width[i], half_width[i]));
     let reach = |sphere: &Sphere| {
         let [x, y, z]: [f64; 3] = core::array::from_fn(|i| sphere.centre[i] - f64::from(centre[i]));
-        libm::sqrt((x * x + y * y) + z * z) + sphere.radius
+        sqrt((x * x + y * y) + z * z) + sphere.radius
     };
     let radius = spheres.iter().map(reach).fold(0.0, f64::max);
     // Allowance for a few roundings of coordinates below 2^16.

@@ -8,6 +8,7 @@
 
 use crate::primitive::Sphere;
 use crate::range::Point;
+use crate::vector::sqrt;
 use glam::DVec3;
 
 /// Balls that reach beyond by less than this share of the radius count as inside.
@@ -50,7 +51,7 @@ fn farthest_out(balls: &[Sphere], found: &Candidate) -> Option<usize> {
         let room = limit - ball.radius;
         // Nearly all are inside, and need no square root.
         if room < 0.0 || square > room * room {
-            let reach = libm::sqrt(square) + ball.radius;
+            let reach = sqrt(square) + ball.radius;
             if reach > limit {
                 (limit, farthest) = (reach, Some(index));
             }
@@ -154,7 +155,7 @@ fn around_touching(balls: &[Candidate]) -> [Option<Candidate>; 2] {
         return [None; 2];
     }
     // Avoids cancellation: one root from the sum of terms of equal sign, the other from the product of the roots.
-    let sum = -(b + libm::copysign(libm::sqrt(discriminant), b));
+    let sum = -(b + libm::copysign(sqrt(discriminant), b));
     [ball(sum / a), ball(c / sum)]
 }
 

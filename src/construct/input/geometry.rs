@@ -7,6 +7,7 @@ use crate::node::NormalSlab;
 use crate::primitive::shape::{ShapeError, ShapeNumbers};
 use crate::primitive::{Primitive, Shape, Shapes, Sphere, Spheres, Triangles, triangle};
 use crate::range::Point;
+use crate::vector::sqrt;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
@@ -58,7 +59,7 @@ impl Geometry for Mesh<'_> {
     /// Its area.
     fn weight(corners: &[Point], _radius: f64) -> f64 {
         let n = Self::normal(corners);
-        libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+        sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
     }
 
     fn normal(corners: &[Point]) -> Point {

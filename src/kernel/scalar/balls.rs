@@ -2,6 +2,7 @@
 
 use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::node::{Ball16, BoundingBall};
+use crate::vector::sqrt_f32;
 
 /// Lanes of `b` that a ball meets: `|c_a - c_b|^2 <= (r_a + r_b)^2`, which is false for NaN.
 pub(super) fn meet(a: &BoundingBall, b: &Ball16) -> u16 {
@@ -24,7 +25,7 @@ pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
     core::array::from_fn(|i| {
         let b = b.lane(i);
         let (square, sum) = distances(a, &b);
-        let distance = libm::sqrtf(square);
+        let distance = sqrt_f32(square);
         let difference = (a.radius - b.radius).abs();
         let smaller = least(a.radius, b.radius);
         let depth = sum - distance;

@@ -2,6 +2,7 @@
 
 use super::super::solids::Register;
 use crate::isa::Scalar;
+use crate::vector::sqrt_f32;
 
 impl Register for f32 {
     type Token = Scalar;
@@ -66,7 +67,7 @@ impl Register for f32 {
 #[cfg(not(miri))]
 #[inline(always)]
 fn root(x: f32) -> f32 {
-    libm::sqrtf(x)
+    sqrt_f32(x)
 }
 
 /// Bit by bit: libm has inline assembly, which Miri does not run. Squares of 25 bits are exact in `f64`.

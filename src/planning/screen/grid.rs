@@ -20,7 +20,7 @@ use crate::exact::power_of_two;
 use crate::pose::Pose;
 use crate::range::Point;
 use crate::scene::SceneError;
-use crate::vector::{difference, length};
+use crate::vector::{difference, length, sqrt};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -226,7 +226,7 @@ impl ClearanceGrid {
                 let beside = square(0, x) + square(1, y);
                 let row = (x * self.count[1] + y) * self.count[2];
                 for z in from[2]..to[2] {
-                    let away = libm::sqrt(beside + square(2, z));
+                    let away = sqrt(beside + square(2, z));
                     self.set(row + z, [lower - away, upper + away], levels);
                 }
             }

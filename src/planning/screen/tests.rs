@@ -21,7 +21,7 @@ use crate::query::Query;
 use crate::random::SplitMix64;
 use crate::range::Point;
 use crate::scene::{Body, Scene};
-use crate::vector::{difference, length};
+use crate::vector::{difference, length, sqrt};
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -269,7 +269,7 @@ fn covers_hold_links_and_links_hold_inner_spheres() {
         }
         for s in cover.iter().filter(|s| s.inner > 0.0) {
             let [x, y, z] = s.centre;
-            let depth = (0.062 - libm::sqrt(x * x + y * y)).min(0.15 - z.abs());
+            let depth = (0.062 - sqrt(x * x + y * y)).min(0.15 - z.abs());
             assert!(s.inner <= depth + 1e-12, "{s:?} is {depth} deep");
         }
     }

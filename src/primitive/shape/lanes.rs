@@ -8,7 +8,7 @@ use crate::exact::{power_of_two, round_up_f32};
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
-use crate::vector::dot;
+use crate::vector::{dot, sqrt};
 
 /// The range of [`Solid`]'s `size`: products of two sizes and two error bounds are normal numbers. Smaller shapes get
 /// the least size.
@@ -103,9 +103,9 @@ impl<const N: usize> Solid<N> {
             solid.inverse[i] = if largest(h) >= SHORTEST { (1.0 / square) as f32 } else { 0.0 };
             let extent: f64 = half.iter().map(|g| dot(g, h).abs()).sum();
             solid.extent[i] = round_up_f32(extent * (1.0 + power_of_two(-48)));
-            solid.length[i] = libm::sqrt(square) as f32;
+            solid.length[i] = sqrt(square) as f32;
             for g in &half[..i] {
-                let cosine = dot(g, h).abs() / libm::sqrt(dot(g, g) * square);
+                let cosine = dot(g, h).abs() / sqrt(dot(g, g) * square);
                 solid.skew = solid.skew.max(round_up_f32(cosine + power_of_two(-48)));
             }
         }

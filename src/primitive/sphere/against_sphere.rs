@@ -5,6 +5,7 @@ use crate::exact::power_of_two;
 use crate::exact::wide::{Wide, unit_of};
 use crate::primitive::Separation;
 use crate::range::{MIN_COORDINATE, Point};
+use crate::vector::sqrt;
 
 /// Relative allowance for a dozen roundings.
 pub(in crate::primitive) const ROUNDING: f64 = power_of_two(-48);
@@ -41,7 +42,7 @@ pub(crate) fn nearer(
     tolerance: f64,
     exact: &mut u64,
 ) -> Option<Separation> {
-    let between = libm::sqrt(square_between(&a.centre, &b.centre));
+    let between = sqrt(square_between(&a.centre, &b.centre));
     let reach = a.radius + b.radius;
     let (gap, error) = (between - reach, ROUNDING * (between + reach));
     if gap - error > limit {

@@ -8,7 +8,7 @@ use super::features::{Corners, Vector, along, clamped, greatest, least};
 use super::sides::{Triangle, UNIT_ROUNDOFF};
 use crate::exact::wide::{Wide, unit_of};
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// The point of a triangle nearest to a given point, and bounds of the distance.
 #[derive(Copy, Clone, Debug)]
@@ -34,8 +34,8 @@ impl Foot {
         let (way, axis) = nearest(&corners);
         let slack = ROUNDINGS * UNIT_ROUNDOFF * (size * scale);
         let (wide, narrow) = (1.0 + 4.0 * f64::EPSILON, 1.0 - 4.0 * f64::EPSILON);
-        let upper = (libm::sqrt(dot(&way, &way)) + slack) * wide / scale;
-        let length = libm::sqrt(dot(&axis, &axis));
+        let upper = (sqrt(dot(&way, &way)) + slack) * wide / scale;
+        let length = sqrt(dot(&axis, &axis));
         let [x, y, z] = [dot(&axis, &corners[0]), dot(&axis, &corners[1]), dot(&axis, &corners[2])];
         let gap = greatest(least(least(x, y), z), -greatest(greatest(x, y), z));
         let lower = if length > SHORT { (gap / length - slack) * narrow / scale } else { 0.0 };

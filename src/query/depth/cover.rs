@@ -24,7 +24,7 @@ use super::interval::OutOfBudget;
 use super::posed_pair::{PosedPair, Seed, Shared};
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{difference, dot, length, unit};
+use crate::vector::{difference, dot, length, sqrt, unit};
 
 /// A triangle of directions.
 #[derive(Copy, Clone)]
@@ -220,7 +220,7 @@ impl Neighbourhood {
         let seed = shared.map(|&Shared { point, radii, .. }| Seed { point, translation: centre, radii });
         let (square, radius_square) = (dot(&centre, &centre), radius * radius);
         let under = (radius_square - square) - ROUNDING * (square + radius_square);
-        Self { centre, radius, far: libm::sqrt(square), under, seed }
+        Self { centre, radius, far: sqrt(square), under, seed }
     }
 
     /// The length up to which translations are forbidden along all directions whose product with the centre is at least
@@ -231,7 +231,7 @@ impl Neighbourhood {
         if ahead * ahead >= under {
             return reach;
         }
-        f64::max(reach, (least + libm::sqrt(under)) - ROUNDING * (self.far + self.radius))
+        f64::max(reach, (least + sqrt(under)) - ROUNDING * (self.far + self.radius))
     }
 }
 

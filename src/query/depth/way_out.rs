@@ -14,7 +14,7 @@ use super::interval::OutOfBudget;
 use super::posed_pair::PosedPair;
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{cross, dot, length, unit};
+use crate::vector::{cross, dot, length, sqrt, unit};
 
 /// The best translation so far, and the directions still to be tried.
 pub(super) struct WayOut {
@@ -180,7 +180,7 @@ impl WayOut {
                 if free <= (1.0 + FIRST_AHEAD) * hit {
                     break;
                 }
-                let middle = libm::sqrt(hit * free);
+                let middle = sqrt(hit * free);
                 if self.is_free_at(along, middle, bodies)? { free = middle } else { hit = middle }
             }
         }

@@ -14,6 +14,7 @@ use crate::primitive::Primitive;
 use crate::query::entry::QueryStats;
 use crate::query::lanes::{Lanes, growth};
 use crate::realign::shrinkage;
+use crate::vector::sqrt;
 
 /// Number of nodes of A whose rotated planes are kept: the last on each level, modulo this number.
 const KEPT: usize = 4;
@@ -110,7 +111,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
     /// Lower bound of the distance of volumes with this bound, in the bodies' unit.
     pub(super) fn distance(&self, bound: f32) -> f64 {
         let distance = match self {
-            Self::Near(near) if bound > 0.0 => libm::sqrt(f64::from(bound)) / near.frame.scale(),
+            Self::Near(near) if bound > 0.0 => sqrt(f64::from(bound)) / near.frame.scale(),
             Self::Near(_) => 0.0,
             Self::Far(line) => line.distance(bound),
         };

@@ -12,7 +12,7 @@ use crate::key::Storage;
 use crate::primitive::{OWN_DIRECTIONS, Primitive};
 use crate::range::Point;
 use crate::realign::{PrimitiveSlab, PrimitiveSlabs};
-use crate::vector::dot;
+use crate::vector::{dot, sqrt};
 
 /// Bounds the distances between a primitive and the children of the other tree's nodes.
 #[derive(Copy, Clone, Debug)]
@@ -42,7 +42,7 @@ impl PrimitiveGaps {
         let factors = n.map(
             #[inline(always)]
             |n| match dot(&n, &n) {
-                square if square > SHORTEST_SQUARE => (SLACK * f64::from(growth) / libm::sqrt(square)) as f32,
+                square if square > SHORTEST_SQUARE => (SLACK * f64::from(growth) / sqrt(square)) as f32,
                 _ => 0.0,
             },
         );

@@ -13,7 +13,7 @@ use crate::primitive::{Primitive, Shape, Shapes};
 use crate::query::lanes::{Along, Entries, Entry, Lanes, PrimitiveGaps, least, remove, used_lanes};
 use crate::range::Point;
 use crate::realign::PrimitiveSlabs;
-use crate::vector::{difference, dot, length};
+use crate::vector::{difference, dot, length, sqrt};
 
 /// A shape that is farther from the centre of a tree than this many of the tree's radii is bounded along one axis.
 const FAR: f64 = power_of_two(11);
@@ -229,7 +229,7 @@ impl<N: Lanes> ChildBounds<N> for DopBounds<N> {
 
     #[inline(always)]
     fn distance(&self, bound: f64) -> f64 {
-        if bound > 0.0 { libm::sqrt(bound) / self.scale } else { 0.0 }
+        if bound > 0.0 { sqrt(bound) / self.scale } else { 0.0 }
     }
 }
 

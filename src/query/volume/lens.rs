@@ -9,6 +9,7 @@ use crate::primitive::Sphere;
 use crate::primitive::sphere::volume;
 use crate::query::entry::{Completion, QueryStats};
 use crate::range::Point;
+use crate::vector::sqrt;
 use core::f64::consts::PI;
 
 /// Sums over pairs of spheres, relative to the centre of the smaller body's frame, in units of [`STEPS`] steps of that
@@ -71,7 +72,7 @@ impl LensSums {
         self.pairs += 1;
         let (r_a, r_b) = (a.radius * self.scale, b.radius * self.scale);
         let apart: Point = core::array::from_fn(|i| (a.centre[i] - b.centre[i]) * self.scale);
-        let distance = libm::sqrt((apart[0] * apart[0] + apart[1] * apart[1]) + apart[2] * apart[2]);
+        let distance = sqrt((apart[0] * apart[0] + apart[1] * apart[1]) + apart[2] * apart[2]);
         let volume = lens(r_a, r_b, distance);
         // Concentric spheres have no direction.
         let towards = apart.map(|x| if distance > 0.0 { x / distance } else { 0.0 });
@@ -99,7 +100,7 @@ impl LensSums {
 /// fractions of both balls. NaN for balls of radius zero.
 pub(super) fn expected(a: &BoundingBall, b: &BoundingBall) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.centre[i] - a.centre[i]));
-    let distance = libm::sqrt((x * x + y * y) + z * z);
+    let distance = sqrt((x * x + y * y) + z * z);
     let [of_a, of_b] = [a, b].map(|ball| volume(ball.radius.into()));
     // Overlapping spheres count as filling at most the whole ball.
     let taken = f64::min(a.volume.into(), of_a) * f64::min(b.volume.into(), of_b);

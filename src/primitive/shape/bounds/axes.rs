@@ -3,7 +3,7 @@
 
 use super::support::{Form, Operands, each};
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// Edges at an angle with a smaller sine count as parallel.
 const PARALLEL: f64 = 1.0 / (1_u64 << 48) as f64;
@@ -56,8 +56,8 @@ pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
     for (e, f) in own.chain(shared) {
         let normal = cross(&e, &f);
         let square = dot(&normal, &normal);
-        let product = libm::sqrt(dot(&e, &e)) * libm::sqrt(dot(&f, &f));
-        let length = libm::sqrt(square);
+        let product = sqrt(dot(&e, &e)) * sqrt(dot(&f, &f));
+        let length = sqrt(square);
         // Skip edges of length zero.
         if product == 0.0 {
             continue;
@@ -93,7 +93,7 @@ pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
         let edge = if dot(&a.list[0], &a.list[0]) > 0.0 { a.list[0] } else { b.list[0] };
         along = perpendicular(&edge);
         let (point, _) = pair.support(&along);
-        upper = -dot(&along, &point) / libm::sqrt(dot(&along, &along));
+        upper = -dot(&along, &point) / sqrt(dot(&along, &along));
     }
     Some((lower, upper + pair.slack, along))
 }

@@ -13,7 +13,7 @@ use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::primitive::shape::place::Placement;
 use crate::range::Point;
-use crate::vector::{difference, dot};
+use crate::vector::{difference, dot, sqrt};
 
 mod blocks;
 mod products;
@@ -97,7 +97,7 @@ fn swapped(found: Certified) -> Certified {
 #[inline(always)]
 fn points(p: &Point, q: &Point, goal: &Target) -> Certified {
     let between = difference(p, q);
-    let length = libm::sqrt(dot(&between, &between));
+    let length = sqrt(dot(&between, &between));
     let slack = length * (4.0 * f64::EPSILON);
     goal.bounds(length - slack, length + slack, p, &between, length)
 }
@@ -116,9 +116,9 @@ fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Target) -> Option<Ce
     let t = along / square;
     let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
     let between: Point = each(|k| w[k] - t * edge[k]);
-    let length = libm::sqrt(dot(&between, &between));
+    let length = sqrt(dot(&between, &between));
     // `sqrt(2 (x^2 + y^2))` is at least `x + y`.
-    let slack = 12.0 * f64::EPSILON * libm::sqrt(2.0 * (far + square));
+    let slack = 12.0 * f64::EPSILON * sqrt(2.0 * (far + square));
     goal.bounds_of_length(p, &between, length, slack)
 }
 
@@ -137,7 +137,7 @@ fn point_and_triangle(p: &Point, [q, r, s]: &[Point; 3], goal: &Target) -> Optio
     if !COMFORTABLE.contains(&total) {
         return None;
     }
-    let slack = SLACK * libm::sqrt(3.0 * total);
+    let slack = SLACK * sqrt(3.0 * total);
     let (gw, hw) = (dot(&g, &w), dot(&h, &w));
     let from = |x: f64, y: f64| -> Point { each(|k| w[k] - (x * g[k] + y * h[k])) };
     let (x, y, all) = (hh * gw - gh * hw, gg * hw - gh * gw, gg * hh - gh * gh);
@@ -156,7 +156,7 @@ fn point_and_triangle(p: &Point, [q, r, s]: &[Point; 3], goal: &Target) -> Optio
         least
     };
     let square = dot(&between, &between);
-    let length = libm::sqrt(square);
+    let length = sqrt(square);
     let upper = length + slack;
     if upper <= goal.less {
         return Some(goal.bounds(0.0, upper, p, &between, length));
@@ -193,7 +193,7 @@ fn point_and_cylinder(
     }
     let along = dot(&w, half) / square;
     let across: Point = each(|k| w[k] - along * half[k]);
-    let out = libm::sqrt(dot(&across, &across));
+    let out = sqrt(dot(&across, &across));
     let excess = if along > 1.0 {
         along - 1.0
     } else if along < -1.0 {
@@ -203,8 +203,8 @@ fn point_and_cylinder(
     };
     let share = if out > radius { (out - radius) / out } else { 0.0 };
     let between: Point = each(|k| excess * half[k] + share * across[k]);
-    let length = libm::sqrt(dot(&between, &between));
-    let slack = ROUND_SLACK * libm::sqrt(3.0 * size);
+    let length = sqrt(dot(&between, &between));
+    let slack = ROUND_SLACK * sqrt(3.0 * size);
     goal.bounds_of_length(p, &between, length, slack)
 }
 
@@ -225,7 +225,7 @@ fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Tar
     let along = dot(&w, axis) / square;
     let across: Point = each(|k| w[k] - along * axis[k]);
     let out_square = dot(&across, &across);
-    let (out, height) = (libm::sqrt(out_square), libm::sqrt(square));
+    let (out, height) = (sqrt(out_square), sqrt(square));
     let up = along * height;
     let beyond = out - radius;
     // The closest point of the side, from the rim to the tip. Multiples of the two vectors to the point.
@@ -239,10 +239,10 @@ fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Tar
     } else {
         (beyond + t * radius, up - t * height)
     };
-    let length = libm::sqrt(dx * dx + dy * dy);
+    let length = sqrt(dx * dx + dy * dy);
     let (x, y) = (if out > 0.0 { dx / out } else { 0.0 }, dy / height);
     let between: Point = each(|k| x * across[k] + y * axis[k]);
-    let slack = 2.0 * ROUND_SLACK * libm::sqrt(3.0 * size);
+    let slack = 2.0 * ROUND_SLACK * sqrt(3.0 * size);
     goal.bounds_of_length(p, &between, length, slack)
 }
 

@@ -11,7 +11,7 @@ use super::support::Operands;
 use super::{axes, half_space, polytope};
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
-use crate::vector::dot;
+use crate::vector::{dot, sqrt};
 
 #[cfg(test)]
 mod tests;
@@ -77,7 +77,7 @@ fn of_pair(pair: &Operands, radii: [f64; 2], tolerance: f64) -> Depth {
             }
         }
     }
-    let length = libm::sqrt(dot(&along, &along));
+    let length = sqrt(dot(&along, &along));
     let direction = if length > 0.0 { along.map(|x| x / length) } else { [0.0, 0.0, 1.0] };
     if length == 0.0 {
         // No direction has been tried: the cores are one point up to rounding, and no direction has a gap below

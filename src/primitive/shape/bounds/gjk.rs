@@ -4,7 +4,7 @@
 
 use super::support::each;
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// A simplex of points of the difference A - B.
 #[derive(Copy, Clone, Debug)]
@@ -120,7 +120,7 @@ impl Simplex {
         for (i, [j, k, l]) in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]].into_iter().enumerate() {
             let volume = dot(&p[j], &cross(&p[k], &p[l]));
             let normal = cross(&difference(&p[k], &p[j]), &difference(&p[l], &p[j]));
-            let area = libm::sqrt(dot(&normal, &normal)) + 4.0 * f64::EPSILON * square;
+            let area = sqrt(dot(&normal, &normal)) + 4.0 * f64::EPSILON * square;
             if volume.abs() <= 1.001 * slack * area + 8.0 * f64::EPSILON * size * square {
                 return false;
             }

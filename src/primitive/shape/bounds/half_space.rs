@@ -5,7 +5,7 @@ use super::support::Operand;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
-use crate::vector::dot;
+use crate::vector::{dot, sqrt};
 
 /// The height of a core, or of the plane of an opposite half-space, above the plane of a half-space; negative below
 /// it.
@@ -83,7 +83,7 @@ fn case(a: &Shape, b: &Shape) -> Case {
 }
 
 fn above(normal: &Point, offset: f64, core: &Core) -> Height {
-    let length = libm::sqrt(dot(normal, normal));
+    let length = sqrt(dot(normal, normal));
     let up = normal.map(|x| x / length);
     let Some(body) = Operand::of(core, 1.0) else {
         return Height { lower: 0.0, upper: 0.0, up, lowest: [0.0; 3], on_plane: [0.0; 3] };
@@ -100,7 +100,7 @@ fn two(normal: &Point, offset: f64, other: &Point, far: f64) -> Case {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         product(normal[i], other[j]) == product(normal[j], other[i])
     });
-    let [m, n] = [normal, other].map(|v| libm::sqrt(dot(v, v)));
+    let [m, n] = [normal, other].map(|v| sqrt(dot(v, v)));
     let [x, y] = [offset / m, far / n];
     let [u, v] = [normal.map(|x| x / m), other.map(|x| x / n)];
     let cosine = dot(&u, &v);

@@ -18,7 +18,7 @@ use crate::pose::Pose;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::{MIN_COORDINATE, Point};
-use crate::vector::{cross, difference, dot, length};
+use crate::vector::{cross, difference, dot, length, sqrt};
 
 #[cfg(test)]
 mod tests;
@@ -289,7 +289,7 @@ impl Approach {
         let (point, of_a) = pair.points(d);
         let square = dot(d, d);
         if square > f64::MIN_POSITIVE {
-            let gap = dot(d, &point) / libm::sqrt(square) - pair.slack;
+            let gap = dot(d, &point) / sqrt(square) - pair.slack;
             if gap > self.lower {
                 (self.lower, self.along) = (gap, *d);
             }

@@ -8,7 +8,7 @@
 use super::place::{CorePoint, Ways};
 use super::support::{Form, Operands, each};
 use crate::range::Point;
-use crate::vector::{cross, dot};
+use crate::vector::{cross, dot, sqrt};
 
 /// Maximum number of steps.
 pub(super) const STEPS: usize = 16;
@@ -106,7 +106,7 @@ impl Newton {
     /// ball about it contains the other place: then the cores certainly meet.
     pub(super) fn common(&self, pair: &Operands) -> Option<Point> {
         let v = &self.between;
-        let apart = libm::sqrt(dot(v, v)) + pair.slack;
+        let apart = sqrt(dot(v, v)) + pair.slack;
         if pair.b.form.room(&self.places.b) > apart {
             Some(self.of_a)
         } else if pair.a.form.room(&self.places.a) > apart {

@@ -2,7 +2,7 @@
 
 use super::support::{Form, each};
 use crate::range::Point;
-use crate::vector::{difference, dot};
+use crate::vector::{difference, dot, sqrt};
 
 /// A point of a core.
 #[derive(Copy, Clone, Debug)]
@@ -98,8 +98,8 @@ impl Form {
             }
             Self::Cone(half, [u, v]) => {
                 let (height, [y, z]) = (share(p, half), [share(p, u), share(p, v)]);
-                let (half, radius) = (libm::sqrt(dot(half, half)), libm::sqrt(dot(u, u)));
-                let out = libm::sqrt(y * y + z * z);
+                let (half, radius) = (sqrt(dot(half, half)), sqrt(dot(u, u)));
+                let out = sqrt(y * y + z * z);
                 let room = 0.5 * (1.0 - height);
                 if height >= -1.0 && out <= room {
                     let inverse = if room > 0.0 { 1.0 / room } else { 0.0 };
@@ -144,20 +144,20 @@ impl Form {
     /// of a cuboid are perpendicular within 1e-4, so the distance of a face is at least 1 - 4e-4 times the length of
     /// its half edge.
     pub(super) fn room(&self, place: &CorePoint) -> f64 {
-        let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
+        let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * sqrt(dot(half, half));
         let across = |u: &Point| {
-            let out = libm::sqrt(place.disc[0] * place.disc[0] + place.disc[1] * place.disc[1]);
-            (1.0 - out) * libm::sqrt(dot(u, u))
+            let out = sqrt(place.disc[0] * place.disc[0] + place.disc[1] * place.disc[1]);
+            (1.0 - out) * sqrt(dot(u, u))
         };
         match self {
             Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
             Self::Cuboid([x, y, z]) => 0.999 * along(0, x).min(along(1, y)).min(along(2, z)),
             Self::Cylinder(half, [u, _]) => 0.999 * along(0, half).min(across(u)),
             Self::Cone(half, [u, _]) => {
-                let (height, radius) = (2.0 * libm::sqrt(dot(half, half)), libm::sqrt(dot(u, u)));
+                let (height, radius) = (2.0 * sqrt(dot(half, half)), sqrt(dot(u, u)));
                 let up = 0.5 * (1.0 + place.x[0]) * height;
                 let out = 0.5 * (1.0 - place.x[0]) * across(u);
-                0.999 * up.min(out * (height / libm::sqrt(height * height + radius * radius)))
+                0.999 * up.min(out * (height / sqrt(height * height + radius * radius)))
             }
         }
     }
@@ -165,7 +165,7 @@ impl Form {
     /// [`Form::room`] for the centre.
     #[inline(always)]
     pub(super) fn inner(&self) -> f64 {
-        let length = |v: &Point| libm::sqrt(dot(v, v));
+        let length = |v: &Point| sqrt(dot(v, v));
         match self {
             Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
             Self::Cuboid([x, y, z]) => 0.999 * length(x).min(length(y)).min(length(z)),
@@ -173,7 +173,7 @@ impl Form {
             Self::Cone(half, [u, _]) => {
                 // By similar triangles, the distance of the side from the middle of the axis.
                 let (half, radius) = (length(half), length(u));
-                0.999 * half * (radius / libm::sqrt(4.0 * half * half + radius * radius)).min(1.0)
+                0.999 * half * (radius / sqrt(4.0 * half * half + radius * radius)).min(1.0)
             }
         }
     }
@@ -257,7 +257,7 @@ impl CorePoint {
             FreeCoordinate::Rim => {
                 let [y, z] = self.disc;
                 let (y, z) = (y - z * by, z + y * by);
-                let inverse = 1.0 / libm::sqrt(y * y + z * z);
+                let inverse = 1.0 / sqrt(y * y + z * z);
                 self.disc = [y * inverse, z * inverse];
             }
         }
@@ -301,7 +301,7 @@ fn in_disc([y, z]: [f64; 2]) -> [f64; 2] {
     if square <= 1.0 {
         return [y, z];
     }
-    let inverse = 1.0 / libm::sqrt(square);
+    let inverse = 1.0 / sqrt(square);
     [y * inverse, z * inverse]
 }
 

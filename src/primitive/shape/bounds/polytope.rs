@@ -11,7 +11,7 @@
 
 use super::support::{Operands, each};
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// The difference A - B of two convex sets.
 pub(super) trait ConvexDifference {
@@ -165,7 +165,7 @@ impl<const CORNERS: usize, const FACES: usize> GrownPolytope<CORNERS, FACES> {
     fn add_face(&mut self, corners: [u8; 3]) {
         let [p, q, r] = corners.map(|i| self.corners[usize::from(i)]);
         let normal = cross(&difference(&q, &p), &difference(&r, &p));
-        let length = libm::sqrt(dot(&normal, &normal));
+        let length = sqrt(dot(&normal, &normal));
         let products = [dot(&normal, &p), dot(&normal, &q), dot(&normal, &r)];
         let (low, high) =
             (products[0].min(products[1]).min(products[2]), products[0].max(products[1]).max(products[2]));

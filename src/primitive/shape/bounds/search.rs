@@ -13,7 +13,7 @@ use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::exact::aligned;
 use crate::range::Point;
-use crate::vector::{cross, dot};
+use crate::vector::{cross, dot, sqrt};
 
 #[cfg(test)]
 pub(super) mod tests;
@@ -245,7 +245,7 @@ impl<'p> DistanceSearch<'p> {
             simplex.add(point, of_a);
             let nearest = simplex.reduce();
             let v = &nearest.point;
-            if libm::sqrt(dot(v, v)) < room {
+            if sqrt(dot(v, v)) < room {
                 let of_a = nearest.of_a;
                 self.of_a = if is_in_b { of_a } else { each(|k| of_a[k] - v[k]) };
                 (self.upper, self.between) = (0.0, [0.0; 3]);
@@ -326,7 +326,7 @@ impl<'p> DistanceSearch<'p> {
         let (point, of_a) = self.pair.support(d);
         let square = dot(d, d);
         if square > f64::MIN_POSITIVE {
-            let gap = dot(d, &point) / libm::sqrt(square) - self.pair.slack;
+            let gap = dot(d, &point) / sqrt(square) - self.pair.slack;
             if gap > self.lower {
                 (self.lower, self.along) = (gap, *d);
             }
@@ -337,7 +337,7 @@ impl<'p> DistanceSearch<'p> {
     /// Bounds the distance from above by a point of A - B.
     #[inline(always)]
     fn upper_by(&mut self, between: &Point, of_a: &Point) {
-        let upper = libm::sqrt(dot(between, between)) + self.pair.slack;
+        let upper = sqrt(dot(between, between)) + self.pair.slack;
         if upper < self.upper {
             (self.upper, self.between, self.of_a) = (upper, *between, *of_a);
         }
@@ -364,7 +364,7 @@ impl<'p> DistanceSearch<'p> {
         let of_b: Point = each(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
         let b = self.pair.b.placed(&of_b);
         let sum = self.radii[0] + self.radii[1];
-        let length = libm::sqrt(dot(&self.between, &self.between));
+        let length = sqrt(dot(&self.between, &self.between));
         if sum == 0.0 || length == 0.0 {
             return Certified { lower, upper, a, b };
         }

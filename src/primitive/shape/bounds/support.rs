@@ -4,7 +4,7 @@
 
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
-use crate::vector::{difference, dot, length};
+use crate::vector::{difference, dot, length, sqrt};
 
 /// A pair's `slack` is this many unit roundoffs of its `size` ([`Operands`]). With u = 2^-53, S the size, and a factor
 /// 1 + 2^-40 for terms of second order:
@@ -89,7 +89,7 @@ impl Operand {
                 let half = [scaled(&half[0]), scaled(&half[1]), scaled(&half[2])];
                 let squares = (dot(&half[0], &half[0]) + dot(&half[1], &half[1])) + dot(&half[2], &half[2]);
                 // The factor covers half edges that are not quite perpendicular, which make the diagonal longer.
-                let reach = 1.001 * libm::sqrt(squares);
+                let reach = 1.001 * sqrt(squares);
                 Self { origin: scaled(centre), shift: [0.0; 3], form: Form::Cuboid(half), reach }
             }
             Core::Cylinder { centre, half_axis, radius } => {
@@ -201,7 +201,7 @@ pub(super) fn each(f: impl Fn(usize) -> f64) -> Point {
 #[inline(always)]
 fn on_rim([u, v]: &[Point; 2], d: &Point) -> (Point, f64) {
     let (x, y) = (dot(d, u), dot(d, v));
-    let out = libm::sqrt(x * x + y * y);
+    let out = sqrt(x * x + y * y);
     let inverse = if out > 0.0 { 1.0 / out } else { 0.0 };
     let (x, y) = (x * inverse, y * inverse);
     (each(|k| x * u[k] + y * v[k]), out)

@@ -16,7 +16,7 @@
 
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// A convex core.
 pub(super) trait Supported {
@@ -300,7 +300,7 @@ impl<'a> Disc<'a> {
     #[inline(always)]
     fn rim(&self, n: &Point) -> f64 {
         let across = cross(n, self.axis);
-        self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+        self.radius * sqrt(dot(&across, &across) * self.inverse)
     }
 
     /// A vector across the axis, and its multiple that leads from the disc's middle to the point of the rim farthest
@@ -312,7 +312,7 @@ impl<'a> Disc<'a> {
         let across = self.split(&self.split(n).1).1;
         let square = dot(&across, &across);
         let is_long = square > dot(n, n) * power_of_two(-60);
-        (across, if is_long { self.radius / libm::sqrt(square) } else { 0.0 })
+        (across, if is_long { self.radius / sqrt(square) } else { 0.0 })
     }
 }
 
@@ -348,7 +348,7 @@ impl Supported for Cylinder<'_> {
         let disc = &self.0;
         let (along, across) = disc.split(&difference(p, &disc.at));
         let (square, radius) = (dot(&across, &across), disc.radius * scale);
-        let factor = if square > radius * radius { radius / libm::sqrt(square) } else { 1.0 };
+        let factor = if square > radius * radius { radius / sqrt(square) } else { 1.0 };
         let t = clamp(along, -scale, scale);
         plus(&plus(&times(t, disc.axis), &times(factor, &across)), &disc.at)
     }
@@ -415,7 +415,7 @@ impl Supported for Cone<'_> {
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
         let Disc { at, axis, radius, square, .. } = &self.disc;
         let (along, across) = self.disc.split(&difference(p, at));
-        let out = libm::sqrt(dot(&across, &across));
+        let out = sqrt(dot(&across, &across));
         let (up, beyond) = (along + FROM_BASE * scale, out - radius * scale);
         let (height, out_to) = if up < 0.0 && beyond <= 0.0 {
             (0.0, out)

@@ -5,7 +5,7 @@ use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
-use crate::vector::{cross, dot};
+use crate::vector::{cross, dot, sqrt};
 
 /// A half-space against another shape.
 ///
@@ -29,7 +29,7 @@ pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
     // The radius of a disc times |normal| times the sine of the angle between normal and axis.
     let disc = |axis: &Point, radius: f64| {
         let across = cross(n, axis);
-        radius * libm::sqrt(dot(&across, &across) / dot(axis, axis))
+        radius * sqrt(dot(&across, &across) / dot(axis, axis))
     };
     let (low, size) = match other {
         Core::Point(p) => (dot(n, p), terms(p)),
@@ -54,7 +54,7 @@ pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
         }
         Core::HalfSpace { .. } => return None,
     };
-    let margin = reach * libm::sqrt(dot(n, n));
+    let margin = reach * sqrt(dot(n, n));
     let error = ((size + offset.abs()) + margin) * FEW;
     let gap = (low - offset) - margin;
     if gap > error {

@@ -10,7 +10,7 @@ use super::bodies::{clamp, norm_1};
 use super::margins::compare;
 use crate::exact::power_of_two;
 use crate::range::Point;
-use crate::vector::{difference, dot};
+use crate::vector::{difference, dot, sqrt};
 
 /// The error of a distance, relative to `size`.
 const ERROR: f64 = power_of_two(-47);
@@ -38,7 +38,7 @@ pub(super) fn cylinder(w: &Point, half_axis: &Point, radius: f64, reach: f64) ->
     let (along, out_square) = coordinates(w, half_axis, square);
     let up = along.abs() - 1.0;
     let up_square = if up > 0.0 { (up * up) * square } else { 0.0 };
-    let out = if out_square > radius * radius { libm::sqrt(out_square) - radius } else { 0.0 };
+    let out = if out_square > radius * radius { sqrt(out_square) - radius } else { 0.0 };
     compare(up_square + out * out, reach, size * ERROR)
 }
 
@@ -48,7 +48,7 @@ pub(super) fn cone(w: &Point, axis: &Point, radius: f64, reach: f64) -> Option<b
     let size = size(w, axis, radius)?;
     let square = dot(axis, axis);
     let (up, out_square) = coordinates(w, axis, square);
-    let out = libm::sqrt(out_square);
+    let out = sqrt(out_square);
     let beyond = out - radius;
     let distance = if up < 0.0 {
         let beyond = if beyond > 0.0 { beyond } else { 0.0 };

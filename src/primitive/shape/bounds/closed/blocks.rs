@@ -8,7 +8,7 @@ use crate::primitive::shape::bounds::goal::{COMFORTABLE, Target};
 use crate::primitive::shape::bounds::newton::without;
 use crate::primitive::shape::bounds::support::each;
 use crate::range::Point;
-use crate::vector::{cross, difference, dot};
+use crate::vector::{cross, difference, dot, sqrt};
 
 /// Maximum number of rounds of [`blocks`].
 const ROUNDS: usize = 10;
@@ -42,7 +42,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     if !COMFORTABLE.contains(&total) {
         return None;
     }
-    let slack = SLACK * libm::sqrt(3.0 * total);
+    let slack = SLACK * sqrt(3.0 * total);
     let (t, origins) = (products.between, difference(a.origin, b.origin));
     let axis = if N == 3 && M == 3 { Some(products.widest()) } else { None };
     // Search only points away from the boundary: they can prove that the cores meet.
@@ -61,7 +61,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
         let between: Point = each(|k| origins[k] + (of_a[k] - of_b[k]));
         let at: Point = each(|k| a.origin[k] + of_a[k]);
         let square = dot(&between, &between);
-        let length = libm::sqrt(square);
+        let length = sqrt(square);
         let upper = length + slack;
         if upper <= goal.less {
             return Some(goal.bounds(0.0, upper, &at, &between, length));
@@ -90,7 +90,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
             let d = perpendicular(a, b, &places, &between);
             let square = dot(&d, &d);
             if square > f64::MIN_POSITIVE {
-                let lower = gap(&d, libm::sqrt(square));
+                let lower = gap(&d, sqrt(square));
                 if goal.is_met(lower, upper, slack) {
                     return Some(goal.bounds(lower, upper, &at, &between, length));
                 }

@@ -1,7 +1,7 @@
 //! The axis along which two cuboids are farthest apart.
 
 use super::products::{BlockPlaces, EdgeProducts, Zonotope, clamped, inverse};
-use crate::vector::{cross, dot};
+use crate::vector::{cross, dot, sqrt};
 use core::array::from_fn;
 
 /// The axis of two cuboids along which they are farthest apart.
@@ -19,7 +19,7 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
     /// the angles of the edges (Gottschalk, Lin and Manocha 1996).
     #[inline(always)]
     pub(super) fn widest(&self) -> WidestAxis {
-        let (a, b) = (self.squares_a.map(libm::sqrt), self.squares_b.map(libm::sqrt));
+        let (a, b) = (self.squares_a.map(sqrt), self.squares_b.map(sqrt));
         let (inverse_a, inverse_b) = (a.map(inverse), b.map(inverse));
         let cosines: [[f64; M]; N] =
             from_fn(|i| from_fn(|j| self.mixed[i][j] * (inverse_a[i] * inverse_b[j])));
