@@ -17,17 +17,17 @@ const ROUNDS: usize = 20;
 /// the direction.
 const LEAST: f64 = power_of_two(-500);
 
-/// What gaps are compared with.
+/// The distance that a gap must exceed, and the errors it includes.
 #[derive(Copy, Clone, Debug)]
-struct Far {
+struct GapThreshold {
     /// The distance that a gap must exceed.
-    far: f64,
+    least: f64,
     size: f64,
     /// Bound of the error of the difference of two points.
     error: f64,
 }
 
-impl Far {
+impl GapThreshold {
     /// `None` if `size` is out of the range of the error analysis.
     #[inline(always)]
     fn new(size: f64, reach: f64) -> Option<Self> {
@@ -35,13 +35,13 @@ impl Far {
             return None;
         }
         let error = size * ERROR;
-        Some(Self { far: reach * (1.0 + FEW) + error, size, error })
+        Some(Self { least: reach * (1.0 + FEW) + error, size, error })
     }
 
     /// Whether the gap along `n`, whose square is `square`, separates the shapes.
     ///
     /// The gap is `n . at(B) - support(A, n) - support(B, -n)`, with an error of at most 64 u |n| size, which is part
-    /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
+    /// of the `error` in `least`. The comparison of squares is that of `gap` and `least |n|`.
     #[inline(always)]
     fn is_apart<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, square: f64) -> bool {
         self.separates((dot(n, b.at()) - a.support(n)) - b.support(&negative(n)), square)
@@ -50,14 +50,14 @@ impl Far {
     /// Whether a gap along a direction of this square is wide enough.
     #[inline(always)]
     fn separates(&self, gap: f64, square: f64) -> bool {
-        gap > 0.0 && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW)) && square > LEAST
+        gap > 0.0 && gap * gap > (self.least * self.least) * (square * (1.0 + 4.0 * FEW)) && square > LEAST
     }
 }
 
 /// What both certificates compare with.
 #[derive(Copy, Clone, Debug)]
 struct Thresholds {
-    of_gap: Far,
+    gap: GapThreshold,
     /// The square of the distance between two computed points that shows that the shapes are within the margin;
     /// negative if there is none.
     near: f64,
@@ -73,25 +73,25 @@ impl Thresholds {
     /// A convex core that contains a ball of radius r contains all points at most `(1 - scale) r` from the core shrunk
     /// by `scale` about the centre of the ball.
     #[inline(always)]
-    fn new(of_gap: Far, inner: f64, reach: f64) -> Self {
+    fn new(gap: GapThreshold, inner: f64, reach: f64) -> Self {
         let (scale, wider) = if reach < inner * (4.0 * SHRINK) {
             (1.0 - SHRINK, reach + inner * SHRINK)
         } else {
             (1.0, reach)
         };
         let near = |reach: f64| {
-            let near = reach * (1.0 - FEW) - of_gap.error;
+            let near = reach * (1.0 - FEW) - gap.error;
             if near > 0.0 { near * near } else { -1.0 }
         };
         let (near, near_of_shrunk, near_of_balls) = (near(reach), near(wider), near(reach + inner));
-        Self { of_gap, near, near_of_shrunk, near_of_balls, scale }
+        Self { gap, near, near_of_shrunk, near_of_balls, scale }
     }
 
     /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
     #[inline(always)]
     fn judge<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
         let square = dot(n, n);
-        if square <= near { Some(true) } else { self.of_gap.is_apart(a, b, n, square).then_some(false) }
+        if square <= near { Some(true) } else { self.gap.is_apart(a, b, n, square).then_some(false) }
     }
 }
 
@@ -103,19 +103,20 @@ fn negative(v: &Point) -> Point {
 /// A point, relative to the reference point of a core.
 #[inline(always)]
 pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<bool> {
-    let limits = Thresholds::new(Far::new(norm_1(p) + a.size(), reach)?, a.inner(), reach);
+    let limits = Thresholds::new(GapThreshold::new(norm_1(p) + a.size(), reach)?, a.inner(), reach);
     let n = difference(p, &a.nearest_of(p, limits.scale));
     let square = dot(&n, &n);
     if square <= limits.near_of_shrunk {
         return Some(true);
     }
-    limits.of_gap.separates(dot(&n, p) - a.support(&n), square).then_some(false)
+    limits.gap.separates(dot(&n, p) - a.support(&n), square).then_some(false)
 }
 
 /// Two segments: the nearest points of the lines, clamped (Ericson, *Real-Time Collision Detection*, 5.1.9).
 #[inline(always)]
 pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
-    let limits = Thresholds::new(Far::new(norm_1(&b.at) + (a.size() + b.size()), reach)?, 0.0, reach);
+    let limits =
+        Thresholds::new(GapThreshold::new(norm_1(&b.at) + (a.size() + b.size()), reach)?, 0.0, reach);
     let (p, q, mixed) = (dot(&a.edge, &b.at), dot(&b.edge, &b.at), dot(&a.edge, &b.edge));
     // The divisions do not wait for each other. Where one fails, NaN becomes 0, and the certificates judge any two
     // points.
@@ -145,12 +146,12 @@ pub(super) fn decide_with<A: Supported, B: Supported, P: Placement>(
     filter: impl FnOnce(f64) -> Option<bool>,
 ) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
-    let of_gap = Far::new(size, asked.reach)?;
+    let gap = GapThreshold::new(size, asked.reach)?;
     let square = dot(b.at(), b.at());
-    if of_gap.is_apart(a, b, b.at(), square) {
+    if gap.is_apart(a, b, b.at(), square) {
         return Some(false);
     }
-    let limits = Thresholds::new(of_gap, a.inner() + b.inner(), asked.reach);
+    let limits = Thresholds::new(gap, a.inner() + b.inner(), asked.reach);
     if square < limits.near_of_balls {
         return Some(true);
     }
@@ -201,19 +202,19 @@ fn search<A: Supported, B: Supported>(
         let w = plus(&difference(b.at(), &p), &q);
         // The gap is at most that of these two points.
         let (gap, square) = (dot(&direction, &w), dot(&direction, &direction));
-        let may_be_apart = gap > 0.0 && gap * gap > (limits.of_gap.far * limits.of_gap.far) * square;
-        if may_be_apart && limits.of_gap.is_apart(a, b, &direction, square) {
+        let may_be_apart = gap > 0.0 && gap * gap > (limits.gap.least * limits.gap.least) * square;
+        if may_be_apart && limits.gap.is_apart(a, b, &direction, square) {
             return End::Certain(false);
         }
         // The distance is known to the error.
         let rest = dot(&direction, &point) - gap;
-        if rest * rest <= (limits.of_gap.error * limits.of_gap.error) * square {
+        if rest * rest <= (limits.gap.error * limits.gap.error) * square {
             return End::TooClose;
         }
         if !simplex.add(&w) {
             return End::Flat;
         }
-        (point, direction) = match simplex.reduce(limits.of_gap.size, limits.of_gap.error) {
+        (point, direction) = match simplex.reduce(limits.gap.size, limits.gap.error) {
             NearestPoint::Inside => return End::Certain(true),
             NearestPoint::Unknown => return End::Flat,
             NearestPoint::At(point, direction) => (point, direction),
