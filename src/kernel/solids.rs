@@ -312,7 +312,5 @@ fn axes<V: Register, const M: usize, const N: usize>(
     (apart, within)
 }
 
-// Miri does not run libm's square roots, which shapes need.
 #[cfg(test)]
-#[cfg(not(miri))]
 mod tests;

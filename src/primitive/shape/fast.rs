@@ -26,9 +26,7 @@ mod pairs;
 mod round;
 mod search;
 mod simplex;
-// Miri does not run libm's square roots.
 #[cfg(test)]
-#[cfg(not(miri))]
 pub(crate) mod tests;
 
 use self::bodies::{Segment, Supported, norm_1};

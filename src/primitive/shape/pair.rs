@@ -120,5 +120,4 @@ fn exactly_meets(a: &Shape, b: &Shape) -> Option<bool> {
 }
 
 #[cfg(test)]
-#[cfg(not(miri))]
 mod tests;
