@@ -24,7 +24,7 @@ pub(crate) fn cross<T: Copy + Sub<Output = T> + Mul<Output = T>>(a: &[T; 3], b: 
 /// The square root, correctly rounded.
 ///
 /// With `std`, the compiler encodes the instruction for the kernel around it. `libm` has it as inline assembly in the
-/// encoding of SSE, which takes up to a hundred cycles on Intel's processors while AVX registers are in use.
+/// encoding of SSE, which stalls Intel's processors while AVX registers are in use.
 #[inline(always)]
 pub(crate) fn sqrt(x: f64) -> f64 {
     #[cfg(feature = "std")]

@@ -88,7 +88,8 @@ impl Core {
     }
 
     /// The core at a pose.
-    #[inline]
+    // A call would copy the core, which takes longer than moving it.
+    #[inline(always)]
     #[must_use]
     pub fn moved(&self, pose: &Pose) -> Self {
         let vector = |v: &Point| pose.rotate(v).map(flush);

@@ -33,7 +33,6 @@ use self::bodies::{Segment, Supported, norm_1};
 use self::margins::{FEW, compare};
 use self::pair_and_margin::PairAndMargin;
 use crate::exact::{power_of_two, two_sum};
-use crate::pose::Pose;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::primitive::shape::place::{InPlace, Placement};
@@ -47,15 +46,10 @@ pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     decide_placed(a, InPlace, b, margin)
 }
 
-/// [`decide`] of `a` at a pose. Points, segments and cuboids are moved in registers: storing a moved shape and reading
-/// it again would take longer than the test.
-#[inline]
-pub(crate) fn decide_posed(a: &Shape, pose: &Pose, b: &Shape, margin: f64) -> Option<bool> {
-    decide_placed(a, pose, b, margin)
-}
-
+/// [`decide`] of `a` where it is. At a pose, points, segments and cuboids are moved in registers: storing a moved shape
+/// and reading it again would take longer than the test.
 #[inline(always)]
-fn decide_placed<P: Placement>(a: &Shape, at: P, b: &Shape, margin: f64) -> Option<bool> {
+pub(super) fn decide_placed<P: Placement>(a: &Shape, at: P, b: &Shape, margin: f64) -> Option<bool> {
     let reach = (a.radius + b.radius) + margin;
     if margin < 0.0 || margin.is_nan() {
         return None;
@@ -80,7 +74,7 @@ fn decide_placed<P: Placement>(a: &Shape, at: P, b: &Shape, margin: f64) -> Opti
         }
         _ => return pairs::decide(&asked),
     };
-    certain.or_else(|| asked.aligned_surely())
+    certain.or_else(|| asked.aligned())
 }
 
 /// Whether the norm of a vector of exact differences, rounded once, is at most `reach`.

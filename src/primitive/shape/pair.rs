@@ -5,9 +5,9 @@
 //! For other pairs the bounds decide, which are within 2^-40 of the size of the two: only a pair that is certainly
 //! free is free.
 
-use super::bounds::{Certified, bounds, bounds_posed};
+use super::bounds::{Certified, bounds, bounds_placed};
 use super::exact::{self, aligned};
-use super::fast::{decide, decide_posed};
+use super::fast::{decide, decide_placed};
 use crate::pose::Pose;
 use crate::primitive::Separation;
 use crate::primitive::shape::convex::Shape;
@@ -47,7 +47,7 @@ pub(crate) fn is_near(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> boo
 /// [`is_near`] of `a` at a pose.
 #[inline(never)]
 pub(crate) fn is_near_posed(a: &Shape, pose: &Pose, b: &Shape, margin: f64, exact: &mut u64) -> bool {
-    match decide_posed(a, pose, b, margin) {
+    match decide_placed(a, pose, b, margin) {
         Some(is_near) => is_near,
         None => is_near_surely(&a.moved(pose), b, margin, exact),
     }
@@ -89,7 +89,7 @@ pub(crate) fn nearer_posed(
     tolerance: f64,
     exact: &mut u64,
 ) -> Option<Separation> {
-    let found = bounds_posed(a, pose, b, limit, tolerance);
+    let found = bounds_placed(a, pose, b, limit, tolerance);
     decided(&found, limit, exact, || exactly_meets(&a.moved(pose), b))
 }
 

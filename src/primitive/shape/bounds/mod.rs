@@ -24,22 +24,22 @@ pub use depth::depth;
 
 use super::convex::Shape;
 use super::place::{InPlace, Placement};
-use crate::pose::Pose;
 
 /// Bounds of the distance, in closed form if there is one.
 #[inline(never)]
 pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certified {
-    placed(a, InPlace, b, limit, tolerance)
+    bounds_placed(a, InPlace, b, limit, tolerance)
 }
 
-/// [`bounds`] for `a` at a pose.
+/// [`bounds`] for `a` where it is.
 #[inline(always)]
-pub(super) fn bounds_posed(a: &Shape, pose: &Pose, b: &Shape, limit: f64, tolerance: f64) -> Certified {
-    placed(a, pose, b, limit, tolerance)
-}
-
-#[inline(always)]
-fn placed<P: Placement>(a: &Shape, at: P, b: &Shape, limit: f64, tolerance: f64) -> Certified {
+pub(super) fn bounds_placed<P: Placement>(
+    a: &Shape,
+    at: P,
+    b: &Shape,
+    limit: f64,
+    tolerance: f64,
+) -> Certified {
     closed::bounds(a, at, b, limit, tolerance)
         .unwrap_or_else(|| at.with(a, |a| search::bounds(a, b, limit, tolerance)))
 }

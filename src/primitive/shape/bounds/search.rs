@@ -125,10 +125,7 @@ impl<'p> DistanceSearch<'p> {
     #[inline(never)]
     fn touches(&mut self, a: &Shape, b: &Shape) -> bool {
         let are_close = self.lower <= 0.0 && self.upper - self.radius[0] <= CLOSE * self.pair.size;
-        let touches = are_close
-            && aligned::may_be_aligned(&a.core)
-            && aligned::may_be_aligned(&b.core)
-            && aligned::decide(a, b, 0.0) == Some(true);
+        let touches = are_close && aligned::decide(a, b, 0.0) == Some(true);
         if touches {
             self.upper = 0.0;
         }

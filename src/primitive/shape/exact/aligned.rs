@@ -31,6 +31,9 @@ pub(in crate::primitive::shape) fn decide(a: &Shape, b: &Shape, margin: f64) -> 
 
 #[inline(always)]
 fn in_integers(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
+    if !(may_be_aligned(&a.core) && may_be_aligned(&b.core)) {
+        return None;
+    }
     let of_reach = bits(a.radius).max(bits(b.radius)).max(bits(margin));
     let exponent = (greatest(&a.core).max(greatest(&b.core)).max(of_reach) >> 52) as i32 - 1023;
     if !(-300..=310).contains(&exponent) {
@@ -46,9 +49,9 @@ fn in_integers(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     }
 }
 
-/// Whether a core may be along the axes, judged by its first vector. [`decide`] checks half-spaces.
+/// Whether a core may be along the axes, judged by its first vector. Half-spaces are checked later.
 #[inline(always)]
-pub(in crate::primitive::shape) fn may_be_aligned(core: &Core) -> bool {
+fn may_be_aligned(core: &Core) -> bool {
     let is_along = |v: &Point| u8::from(v[0] == 0.0) + u8::from(v[1] == 0.0) + u8::from(v[2] == 0.0) == 2;
     match core {
         Core::Point(_) | Core::Segment(_) | Core::HalfSpace { .. } => true,

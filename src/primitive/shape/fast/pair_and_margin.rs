@@ -18,16 +18,8 @@ pub(super) struct PairAndMargin<'a, P> {
 
 impl<P: Placement> PairAndMargin<'_, P> {
     /// The verdict if both shapes are along the axes.
-    #[inline(always)]
-    pub(super) fn aligned(&self) -> Option<bool> {
-        if aligned::may_be_aligned(&self.b.core) { self.aligned_surely() } else { None }
-    }
-
-    /// [`Self::aligned`], without a test of B's first vector before A is moved.
     #[inline(never)]
-    pub(super) fn aligned_surely(&self) -> Option<bool> {
-        self.at.with(self.a, |a| {
-            if aligned::may_be_aligned(&a.core) { aligned::decide(a, self.b, self.margin) } else { None }
-        })
+    pub(super) fn aligned(&self) -> Option<bool> {
+        self.at.with(self.a, |a| aligned::decide(a, self.b, self.margin))
     }
 }
