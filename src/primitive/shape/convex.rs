@@ -132,9 +132,16 @@ impl Shape {
     }
 
     /// The shape at a pose.
-    #[inline]
+    // Not inlined: with a copy for each kind of question, a scene's queries would take half as much stack again.
+    #[inline(never)]
     #[must_use]
     pub fn moved(&self, pose: &Pose) -> Self {
+        self.moved_here(pose)
+    }
+
+    /// [`Shape::moved`] for the tests of pairs. A call would copy the shape, which takes longer than moving it.
+    #[inline(always)]
+    pub(super) fn moved_here(&self, pose: &Pose) -> Self {
         Self { core: self.core.moved(pose), radius: self.radius }
     }
 }

@@ -59,6 +59,6 @@ impl Placement for &Pose {
 
     #[inline(always)]
     fn with<R>(self, shape: &Shape, f: impl FnOnce(&Shape) -> R) -> R {
-        f(&shape.moved(self))
+        f(&shape.moved_here(self))
     }
 }
