@@ -271,11 +271,7 @@ impl PlanningScene {
     /// [`PlanningError::Scene`] if there is not one value for each variable.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> Result<f64, PlanningError> {
         self.check_lengths(a, b)?;
-        let square = |i: usize| {
-            let (from, to) = self.shorter(i, a[i], b[i]);
-            (to - from) * (to - from)
-        };
-        Ok(sqrt((0..self.variables()).map(square).sum()))
+        Ok(sqrt(self.squared_distance(a, b)))
     }
 }
 
@@ -286,6 +282,15 @@ impl PlanningScene {
             Some(given) => Err(MotionError::Length { given, needed }.into()),
             None => Ok(()),
         }
+    }
+
+    /// The square of [`PlanningScene::distance`].
+    pub(super) fn squared_distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let square = |(i, (&from, &to))| {
+            let (from, to) = self.shorter(i, from, to);
+            (to - from) * (to - from)
+        };
+        a.iter().zip(b).enumerate().map(square).sum()
     }
 
     /// The ends of the i-th planned variable's motion.

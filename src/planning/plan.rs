@@ -1,15 +1,26 @@
-//! RRT-Connect on certified motions (Kuffner and `LaValle`, ICRA 2000).
+//! RRT-Connect on certified motions (Kuffner and `LaValle`, ICRA 2000), with balanced trees and dynamic domains
+//! (Yershova, Jaillet, Siméon and `LaValle`, ICRA 2005).
 //!
-//! Two trees of configurations grow from the start and from the goals. They take turns: one grows towards a random
+//! Two trees of configurations grow from the start and from the goals. The smaller one grows towards a random
 //! configuration, and the other towards the new one, until they meet. Every motion is certified at all times. Straight
 //! motions between two configurations of the path then shorten it.
+//!
+//! A node from which a motion failed is beside an obstacle. It is then extended only towards configurations in its
+//! domain, a ball whose radius is [`DOMAIN`] steps at first. Each configuration outside enlarges the domain, so that
+//! no node is left for good.
 
-use super::angles::shorter_way;
 use super::error::PlanningError;
 use super::scene::PlanningScene;
 use super::workspace::Workspace;
 use crate::random::SplitMix64;
+use crate::vector::sqrt;
+use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
+
+/// Radius, in steps, of the domain of a node from which a motion failed.
+const DOMAIN: f64 = 3.0;
+/// Growth of a domain for each configuration outside.
+const GROWTH: f64 = 1.01;
 
 /// How to plan.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -56,18 +67,25 @@ impl PlannedPath {
 struct Tree {
     values: Vec<f64>,
     parents: Vec<usize>,
+    /// The radius of each configuration's domain.
+    domains: Vec<f64>,
 }
 
 impl Tree {
     const fn new() -> Self {
-        Self { values: Vec::new(), parents: Vec::new() }
+        Self { values: Vec::new(), parents: Vec::new(), domains: Vec::new() }
     }
 
     fn add(&mut self, values: &[f64], parent: Option<usize>) -> usize {
         let index = self.parents.len();
         self.values.extend_from_slice(values);
         self.parents.push(parent.unwrap_or(index));
+        self.domains.push(f64::INFINITY);
         index
+    }
+
+    const fn len(&self) -> usize {
+        self.parents.len()
     }
 
     fn node(&self, index: usize) -> &[f64] {
@@ -93,8 +111,6 @@ struct PathSearch<'s> {
     settings: &'s PlanSettings,
     random: SplitMix64,
     motions: u32,
-    /// Whether each variable belongs to a continuous joint.
-    is_continuous: Vec<bool>,
 }
 
 impl PlanningScene {
@@ -114,8 +130,7 @@ impl PlanningScene {
             return Err(PlanningError::Step { given: settings.step });
         }
         let random = SplitMix64(settings.seed);
-        let is_continuous = (0..self.variables()).map(|variable| self.is_continuous(variable)).collect();
-        let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0, is_continuous };
+        let mut search = PathSearch { scene: self, workspace, settings, random, motions: 0 };
         let (mut from, mut to) = (Tree::new(), Tree::new());
         if self.is_free(search.workspace, start)? {
             from.add(start, None);
@@ -126,30 +141,25 @@ impl PlanningScene {
             }
         }
         let mut path = Vec::new();
-        if !from.parents.is_empty() && !to.parents.is_empty() {
+        if from.len() > 0 && to.len() > 0 {
             path = search.connect(&mut from, &mut to)?;
             search.shorten(&mut path)?;
         }
         let length = path.windows(2).map(|ends| self.distance(&ends[0], &ends[1])).sum::<Result<f64, _>>()?;
-        Ok(PlannedPath {
-            path,
-            length,
-            motions: search.motions,
-            nodes: from.parents.len() + to.parents.len(),
-        })
+        Ok(PlannedPath { path, length, motions: search.motions, nodes: from.len() + to.len() })
     }
 }
 
 impl PathSearch<'_> {
     fn connect(&mut self, from: &mut Tree, to: &mut Tree) -> Result<Vec<Vec<f64>>, PlanningError> {
-        // Try the straight motion first.
+        // The straight motion first.
         let mut target = to.node(0).to_vec();
-        let mut is_from_start = true;
         for _ in 0..=self.settings.configurations {
+            let is_from_start = from.len() <= to.len();
             let (tree, other) = if is_from_start { (&mut *from, &mut *to) } else { (&mut *to, &mut *from) };
-            if let Some((new, _)) = self.extend(tree, &target)? {
+            if let Some((new, _)) = self.extend(tree, &target, true)? {
                 let goal = tree.node(new).to_vec();
-                while let Some((met, is_reached)) = self.extend(other, &goal)? {
+                while let Some((met, is_reached)) = self.extend(other, &goal, false)? {
                     if is_reached {
                         let (near, far) = (tree.to_root(new), other.to_root(met));
                         let (mut path, rest) = if is_from_start { (near, far) } else { (far, near) };
@@ -160,7 +170,6 @@ impl PathSearch<'_> {
                     }
                 }
             }
-            is_from_start = !is_from_start;
             // In 0 .. 1.
             let unit = || (self.random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
             target = self.scene.random(unit);
@@ -169,10 +178,18 @@ impl PathSearch<'_> {
     }
 
     /// Grows a tree by one motion towards a target, at most a step long. Returns the new node, and whether it is the
-    /// target; `None` if the motion is not free.
-    fn extend(&mut self, tree: &mut Tree, target: &[f64]) -> Result<Option<(usize, bool)>, PlanningError> {
-        let index = self.nearest(tree, target);
-        let distance = self.scene.distance(tree.node(index), target)?;
+    /// target; `None` if the motion is not free, or the target is outside the nearest node's domain.
+    fn extend(
+        &mut self,
+        tree: &mut Tree,
+        target: &[f64],
+        is_random: bool,
+    ) -> Result<Option<(usize, bool)>, PlanningError> {
+        let (index, distance) = self.nearest(tree, target);
+        if is_random && distance > tree.domains[index] {
+            tree.domains[index] *= GROWTH;
+            return Ok(None);
+        }
         let is_reached = distance <= self.settings.step;
         let next = if is_reached {
             target.to_vec()
@@ -181,26 +198,23 @@ impl PathSearch<'_> {
         };
         // A step below the rounding of the values gets nowhere.
         let is_moved = is_reached || next != tree.node(index);
-        Ok(if is_moved && self.is_free(tree.node(index), &next)? {
-            Some((tree.add(&next, Some(index)), is_reached))
-        } else {
-            None
-        })
+        if is_moved && self.is_free(tree.node(index), &next)? {
+            return Ok(Some((tree.add(&next, Some(index)), is_reached)));
+        }
+        tree.domains[index] = DOMAIN * self.settings.step;
+        Ok(None)
     }
 
-    fn nearest(&self, tree: &Tree, target: &[f64]) -> usize {
-        let mut nearest = (f64::INFINITY, 0);
-        for (index, node) in tree.values.chunks_exact(target.len().max(1)).enumerate() {
-            let mut square = 0.0;
-            for (i, (from, to)) in node.iter().zip(target).enumerate() {
-                let (from, to) = if self.is_continuous[i] { shorter_way(*from, *to) } else { (*from, *to) };
-                square += (to - from) * (to - from);
-            }
-            if square < nearest.0 {
-                nearest = (square, index);
+    /// The node nearest to a target, and its distance.
+    fn nearest(&self, tree: &Tree, target: &[f64]) -> (usize, f64) {
+        let mut nearest = (0, f64::INFINITY);
+        for index in 0..tree.len() {
+            let square = self.scene.squared_distance(tree.node(index), target);
+            if square < nearest.1 {
+                nearest = (index, square);
             }
         }
-        nearest.1
+        (nearest.0, sqrt(nearest.1))
     }
 
     fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanningError> {
@@ -210,16 +224,19 @@ impl PathSearch<'_> {
 
     /// Replaces parts of the path by straight motions.
     fn shorten(&mut self, path: &mut Vec<Vec<f64>>) -> Result<(), PlanningError> {
+        let (mut kept, mut tried) = (Vec::from_iter(0..path.len()), BTreeSet::new());
         for _ in 0..self.settings.shortcuts {
-            if path.len() < 3 {
-                return Ok(());
+            if kept.len() < 3 {
+                break;
             }
-            let first = self.random.below(path.len() - 2);
-            let last = first + 2 + self.random.below(path.len() - first - 2);
-            if self.is_free(&path[first], &path[last])? {
-                path.drain(first + 1..last);
+            let first = self.random.below(kept.len() - 2);
+            let last = first + 2 + self.random.below(kept.len() - first - 2);
+            let (from, to) = (kept[first], kept[last]);
+            if tried.insert((from, to)) && self.is_free(&path[from], &path[to])? {
+                kept.drain(first + 1..last);
             }
         }
+        *path = kept.into_iter().map(|index| core::mem::take(&mut path[index])).collect();
         Ok(())
     }
 }

@@ -75,6 +75,31 @@ fn free_shares_of_motions_are_certified() {
     }
 }
 
+/// The straight motion from beside the post fails, and then nearly every random configuration is outside the domain of
+/// the only node of the tree.
+#[test]
+fn a_node_beside_an_obstacle_is_extended_again() {
+    let scene = with_post();
+    let share = scene.free_share(&mut scene.workspace(), [&START, &GOAL]).unwrap();
+    let start = scene.between(&START, &GOAL, share - 1.0 / 1024.0).unwrap();
+    for seed in 0..5 {
+        let settings =
+            PlanSettings { step: 0.02, configurations: 3_000, shortcuts: 0, seed, ..PlanSettings::default() };
+        assert!(scene.plan(&mut scene.workspace(), &start, &[&GOAL], &settings).unwrap().is_found());
+    }
+}
+
+/// Without a second test of a shortcut that is not free, a path of n configurations has at most n (n - 1) / 2 tests.
+#[test]
+fn no_shortcut_is_tested_twice() {
+    let scene = with_post();
+    let settings = |shortcuts| PlanSettings { shortcuts, ..PlanSettings::default() };
+    let (long, short) = (plan(&scene, &[&GOAL], &settings(0)), plan(&scene, &[&GOAL], &settings(10_000)));
+    let n = long.path.len() as u32;
+    assert!(short.path.len() < long.path.len() && short.path.len() > 2);
+    assert!(short.motions - long.motions <= n * (n - 1) / 2);
+}
+
 #[test]
 fn goals_that_are_not_free_are_ignored() {
     let scene = with_post();
