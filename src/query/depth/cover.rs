@@ -19,6 +19,10 @@
 //! corner or the middle, the step seeks the next ball there. If farther translations are forbidden along all four, the
 //! balls overlap differently in different directions: the step divides a large triangle into four, at the middles of
 //! its sides, and a small one after a ball about its middle has not helped.
+//!
+//! The next ball is first sought about a translation [`FAR`] times as long as the reach, where a large one raises the
+//! reach the most, without the widening of its point. When such a ball does not help, the bound is final until
+//! [`ForbiddenBall::seek_near`]: from then on, the balls are sought at the reach itself.
 
 use super::interval::OutOfBudget;
 use super::posed_pair::{PosedPair, Seed, Shared};
@@ -55,8 +59,10 @@ const MOST_LEVELS: u32 = 8;
 const ASKED_LEVEL: u32 = 2;
 const MOST_STEPS: u32 = 1024;
 const MOST_BALLS: usize = 64;
-/// Number of points tried for each translation.
+/// Number of points tried for each translation at the reach itself.
 const POINTS: usize = 4;
+/// The length of the translations of the first balls, relative to the reach.
+const FAR: f64 = 2.0;
 /// A gain of less than this fraction of the reach ends the search.
 const GAIN: f64 = power_of_two(-7);
 /// A part is not divided if its reach rises by at least this fraction of what is forbidden beyond it along the weakest
@@ -73,6 +79,8 @@ pub(super) struct ForbiddenBall {
     balls: [Neighbourhood; MOST_BALLS],
     ball_count: usize,
     steps: u32,
+    /// Whether balls are sought about translations longer than the reach.
+    is_far: bool,
     /// Whether no step raises the bound any more.
     pub(super) is_final: bool,
 }
@@ -87,7 +95,7 @@ impl ForbiddenBall {
             part.path = path;
         }
         let balls = [first; MOST_BALLS];
-        Self { parts, len: 8, balls, ball_count: 1, steps: 0, is_final: reach <= 0.0 }
+        Self { parts, len: 8, balls, ball_count: 1, steps: 0, is_far: true, is_final: reach <= 0.0 }
     }
 
     fn least(&self) -> usize {
@@ -116,6 +124,12 @@ impl ForbiddenBall {
         unit(direction).map_or(lower, |along| self.reaches(&[along; 4], lower).0)
     }
 
+    /// Seeks balls at the reach itself from now on.
+    pub(super) fn seek_near(&mut self) {
+        self.is_far = false;
+        self.is_final = self.lower() <= 0.0;
+    }
+
     /// Raises the reach of the part where it is least, adds a ball there, or divides the part.
     pub(super) fn step(&mut self, bodies: &mut impl PosedPair) -> Result<(), OutOfBudget> {
         let at = self.least();
@@ -142,8 +156,9 @@ impl ForbiddenBall {
         }
         // If all four reach farther, a direction between them may not.
         let along = if is_stuck { weakest } else { MIDDLE };
-        let t = directions[along].map(|x| x * reach);
-        let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), POINTS, GAIN * reach)?;
+        let (far, points) = if self.is_far { (FAR * reach, 0) } else { (reach, POINTS) };
+        let t = directions[along].map(|x| x * far);
+        let (radius, shared) = bodies.forbidden(&t, self.nearest(&t), points, GAIN * reach)?;
         let ball = Neighbourhood::new(t, radius, shared.as_ref());
         self.add(ball);
         self.is_final = is_stuck && ball.reach(dot(&directions[along], &t), reach) <= more;

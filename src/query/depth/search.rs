@@ -25,7 +25,9 @@ struct BestBounds {
 }
 
 /// Number of points tried for the zero translation.
-const FIRST_POINTS: usize = 16;
+const FIRST_POINTS: usize = 24;
+/// Number of directions tried before the lower bound seeks balls near its reach.
+const GUESSES: usize = 13;
 /// Number of steps of the lower bound for each direction tried for the upper one.
 const STEPS: usize = 4;
 /// At this ratio of the bounds, the exact translation at which the bodies touch is worth finding.
@@ -59,6 +61,10 @@ fn search(bodies: &mut impl PosedPair, found: &mut BestBounds) -> Result<(), Out
             if let Some(direction) = bodies.likely_direction()? {
                 found.way.try_along(&direction, &cover, bodies)?;
             }
+            for _ in 0..GUESSES {
+                found.way.try_next(&cover, bodies)?;
+            }
+            cover.seek_near();
         } else if cover.is_final {
             if found.way.is_exhausted() {
                 break;
