@@ -27,7 +27,7 @@ const GROWTH: f64 = 1.01;
 pub struct PlanSettings {
     /// Longest motion that extends a tree, as a distance in joint space. Positive.
     pub step: f64,
-    /// Maximum number of random configurations.
+    /// Maximum number of random configurations, including those that extend no tree.
     pub configurations: u32,
     /// Number of straight motions that are tried to shorten the path.
     pub shortcuts: u32,
