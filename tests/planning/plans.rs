@@ -83,8 +83,7 @@ fn a_node_beside_an_obstacle_is_extended_again() {
     let share = scene.free_share(&mut scene.workspace(), [&START, &GOAL]).unwrap();
     let start = scene.between(&START, &GOAL, share - 1.0 / 1024.0).unwrap();
     for seed in 0..5 {
-        let settings =
-            PlanSettings { step: 0.02, configurations: 3_000, shortcuts: 0, seed, ..PlanSettings::default() };
+        let settings = PlanSettings { step: 0.02, configurations: 3_000, shortcuts: 0, seed };
         assert!(scene.plan(&mut scene.workspace(), &start, &[&GOAL], &settings).unwrap().is_found());
     }
 }
