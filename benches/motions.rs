@@ -62,7 +62,8 @@ fn main() {
          *Samples*: `PlanningScene::check_motion_discrete` at 32 samples per unit of length in the joints. *Scene*: \
          `PlanningScene::check_motion`. *Bounds*: `PlanningScene::is_motion_free` after `use_bounds` with cells of \
          2 cm. *Pair*: `check_motion` after `use_bounds`, which also names two bodies that meet. No verdict differs. \
-         *Missed*: hits that no sample finds.",
+         *Missed*: hits that no sample finds. The Talos is without the \
+         pairs of links that its published SRDF file disables because they meet at its default configuration.",
     );
     let Some(folder) = directory() else { return };
     show!(
