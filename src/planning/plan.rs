@@ -178,7 +178,7 @@ impl PathSearch<'_> {
     }
 
     /// Grows a tree by one motion towards a target, at most a step long. Returns the new node, and whether it is the
-    /// target; `None` if the motion is not free, or the target is outside the nearest node's domain.
+    /// target; `None` if the motion is not free, or if a random target is outside the nearest node's domain.
     fn extend(
         &mut self,
         tree: &mut Tree,

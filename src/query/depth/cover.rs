@@ -20,9 +20,9 @@
 //! balls overlap differently in different directions: the step divides a large triangle into four, at the middles of
 //! its sides, and a small one after a ball about its middle has not helped.
 //!
-//! The next ball is first sought about a translation [`FAR`] times as long as the reach, where a large one raises the
-//! reach the most, without the widening of its point. When such a ball does not help, the bound is final until
-//! [`ForbiddenBall::seek_near`]: from then on, the balls are sought at the reach itself.
+//! At first, balls are sought about translations [`FAR`] times as long as the reach, where one ball raises it the most.
+//! The points of these balls are not widened. When such a ball does not help, the bound is final until
+//! [`ForbiddenBall::seek_near`]: from then on, balls are sought at the reach itself.
 
 use super::interval::OutOfBudget;
 use super::posed_pair::{PosedPair, Seed, Shared};
