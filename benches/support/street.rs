@@ -18,7 +18,7 @@ const STEP: usize = 8;
 const RADIUS: f64 = 0.01;
 const SAMPLES: usize = 200;
 
-/// Pairs that meet in half of all configurations or more, though not in nearly all. The Talos' published SRDF file
+/// Pairs that meet in about half of all configurations or more, but not in nearly all. The Talos' published SRDF file
 /// disables them, for the reason "Default": example-robot-data, `robots/talos_data/srdf/talos.srdf`.
 const DEFAULT: [[&str; 2]; 3] = [
     ["base_link", "torso_2_link"],

@@ -132,7 +132,7 @@ impl Shape {
     }
 
     /// The shape at a pose.
-    // Not inlined: with a copy for each kind of question, a scene's queries would take half as much stack again.
+    // Not inlined: with a copy for each kind of question, a scene's queries would take a third more stack.
     #[inline(never)]
     #[must_use]
     pub fn moved(&self, pose: &Pose) -> Self {

@@ -301,6 +301,7 @@ fn middle([p, q, r]: &[Point; 3]) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::query::entry::QueryStats;
     use crate::rng::{CASES_STEP, Rng};
     use crate::vector::{cross, dot};
     use alloc::vec;
@@ -376,5 +377,56 @@ mod tests {
             }
         }
         assert!(raised > 200 && joined > 400, "{raised} {joined}");
+    }
+
+    /// All translations shorter than 1 are forbidden, but at most a ball of radius 0.3 about each is known.
+    struct Forbidden;
+
+    impl PosedPair for Forbidden {
+        fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
+            Ok(length(t) >= 1.0)
+        }
+
+        fn gap(&mut self, _: &Point, _: f64) -> Result<Option<(f64, Point)>, OutOfBudget> {
+            Ok(None)
+        }
+
+        fn far(&self) -> f64 {
+            2.0
+        }
+
+        fn forbidden(
+            &mut self,
+            t: &Point,
+            _: Option<Seed>,
+            _: usize,
+            _: f64,
+        ) -> Result<(f64, Option<Shared>), OutOfBudget> {
+            Ok((f64::min(1.0 - length(t), 0.3), None))
+        }
+
+        fn stats(&self) -> QueryStats {
+            QueryStats::default()
+        }
+
+        fn spend(&mut self, _: u64) -> Result<(), OutOfBudget> {
+            Ok(())
+        }
+    }
+
+    /// The ball at twice the reach only touches the first one, and does not help. Balls at the reach do.
+    #[test]
+    fn balls_near_the_reach_go_on_where_far_ones_end() {
+        let mut cover = ForbiddenBall::new(0.3, None);
+        let mut ends = [0.0; 2];
+        for end in &mut ends {
+            while !cover.is_final {
+                assert!(cover.step(&mut Forbidden).is_ok());
+            }
+            *end = cover.lower();
+            cover.seek_near();
+        }
+        let [far, near] = ends;
+        assert!((0.3..0.4).contains(&far) && 0.7 < near && near <= 1.0, "{far} {near}");
     }
 }
