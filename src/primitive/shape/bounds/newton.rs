@@ -3,9 +3,18 @@
 //! The squared distance is minimised over the coordinates that the boundaries leave free (projected Newton: Bertsekas
 //! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free. Near the solution
 //! the distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on
-//! rims is quadratic too. Nothing here is certified.
+//! rims is quadratic too.
+//!
+//! **The normal.** The direction of the distance is an unknown of its own. With the tangents T of the free coordinates
+//! u, the vector w between the points and the unit normal n, a solution has `T^T n = 0` and `w = (n . w) n`. Newton's
+//! step for this system is `(T^T T - g g^T + (n . w) K) du = -T^T w`, with `g = T^T n` and the curvatures K along n;
+//! the next normal is the direction of `(n . w) n` plus the part of `w + T du` that is perpendicular to n. Where w is
+//! parallel to n, this is the step for the distance. But where shapes nearly touch, terms of second order in du exceed
+//! the distance and turn w, while n stays accurate. Its lower bound also tells whether a step leads on.
+//!
+//! Nothing here is certified.
 
-use super::place::{CorePoint, Ways};
+use super::place::{CorePoint, Displacement, Ways};
 use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, dot, sqrt};
@@ -14,7 +23,7 @@ use crate::vector::{cross, dot, sqrt};
 pub(super) const STEPS: usize = 16;
 
 /// Alternating projections before the first step.
-const ROUNDS: usize = 1;
+const ROUNDS: usize = 2;
 
 /// Alternating projections instead of a step that does not reduce the distance.
 const PROJECTIONS: usize = 4;
@@ -22,9 +31,17 @@ const PROJECTIONS: usize = 4;
 /// A step shorter than this, in units of half edges and radii, is the last: the next one would be below rounding.
 const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Near the solution, the squared cosine of the angle between each way and the vector between the points is at most
-/// this.
-const NEAR: f64 = 1e-2;
+/// Near the solution, the squared cosine of the angle between each way and the normal is at most this.
+const NEAR: f64 = 0.03;
+
+/// Number of shares of a step that are tried, each a fourth of the one before.
+const SHARES: usize = 4;
+
+/// A step that reaches a bound after a smaller share is not cut off there.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Unit vectors with a smaller product have different directions.
+const SAME: f64 = 0.999;
 
 /// A place in each core.
 #[derive(Copy, Clone, Debug)]
@@ -41,6 +58,8 @@ pub(super) struct Newton {
     pub(super) between: Point,
     /// A's point, relative to its centre.
     pub(super) of_a: Point,
+    /// Estimate of the direction from B to A at the solution, of unit length. Zero where the points are equal.
+    pub(super) normal: Point,
     /// The ways of A's place, then those of B's place, negated.
     ways: Ways,
     count: usize,
@@ -83,20 +102,20 @@ impl Places {
 }
 
 impl Newton {
+    /// [`Newton::find_ways`] completes it.
     #[inline(always)]
     pub(super) fn new(pair: &Operands, places: Places) -> Self {
         let (of_a, between) = places.points(pair);
-        let mut newton = Self { places, between, of_a, ways: Ways::new(), count: 0 };
-        newton.find_ways(pair);
-        newton
+        Self { places, between, of_a, normal: unit(&between), ways: Ways::new(), count: 0 }
     }
 
+    /// The ways of the places that the normal leaves free.
     #[inline(always)]
-    fn find_ways(&mut self, pair: &Operands) {
+    pub(super) fn find_ways(&mut self, pair: &Operands) {
         self.ways.len = 0;
-        pair.a.form.ways(&self.places.a, &self.between, &mut self.ways);
+        pair.a.form.ways(&self.places.a, &self.normal, &mut self.ways);
         self.count = self.ways.len;
-        pair.b.form.ways(&self.places.b, &each(|k| -self.between[k]), &mut self.ways);
+        pair.b.form.ways(&self.places.b, &each(|k| -self.normal[k]), &mut self.ways);
         for way in &mut self.ways.list[self.count..self.ways.len] {
             way.tangent = each(|k| -way.tangent[k]);
         }
@@ -116,15 +135,20 @@ impl Newton {
         }
     }
 
-    /// Moves the places. Returns false if that was the last step.
+    /// Moves the places and the normal; the caller then calls [`Newton::find_ways`]. `lower` is the greatest lower bound
+    /// of the distance. Returns false if that was the last step.
     #[inline(always)]
-    pub(super) fn step(&mut self, pair: &Operands) -> bool {
-        let (step, is_near) = solve(&self.ways, &self.between, true);
+    pub(super) fn step(&mut self, pair: &Operands, lower: f64) -> bool {
+        if dot(&self.between, &self.between) == 0.0 {
+            return false;
+        }
+        let (step, is_near) = self.solve(true);
         // The distance of shapes that overlap has no second derivative where it vanishes; its square has one.
-        self.go(pair, &step) || is_near && self.go_far(pair) || self.project(pair)
+        self.go(pair, &step, lower) || is_near && self.go_far(pair, lower) || self.project(pair)
     }
 
-    /// Alternating projections never increase the distance; a step that is clamped at the boundaries may.
+    /// Alternating projections never increase the distance; a step that is clamped at the boundaries may. The normal
+    /// becomes the direction between the points.
     #[cold]
     #[inline(never)]
     fn project(&mut self, pair: &Operands) -> bool {
@@ -135,69 +159,129 @@ impl Newton {
             let a = pair.a.form.nearest(&each(|k| q[k] - t[k]));
             let p = pair.a.form.at(&a);
             let b = pair.b.form.nearest(&each(|k| t[k] + p[k]));
-            let next = Places { a, b };
-            let (of_a, between) = next.points(pair);
-            if dot(&between, &between) >= dot(&self.between, &self.between) {
+            if !self.approaches(pair, Places { a, b }) {
                 break;
             }
-            (self.places, self.of_a, self.between) = (next, of_a, between);
         }
-        let is_better = dot(&self.between, &self.between) < 0.75 * before;
-        self.find_ways(pair);
-        is_better
+        let normal = unit(&self.between);
+        let is_other = dot(&normal, &self.normal) < SAME;
+        self.normal = normal;
+        is_other || dot(&self.between, &self.between) < 0.75 * before
     }
 
     #[cold]
     #[inline(never)]
-    fn go_far(&mut self, pair: &Operands) -> bool {
-        let (step, _) = solve(&self.ways, &self.between, false);
-        self.go(pair, &step)
+    fn go_far(&mut self, pair: &Operands, lower: f64) -> bool {
+        let (step, _) = self.solve(false);
+        self.go(pair, &step, lower)
     }
 
     /// Returns false if the step is below rounding, or no fraction of it reduces the distance.
     #[inline(always)]
-    fn go(&mut self, pair: &Operands, step: &[f64; 6]) -> bool {
+    fn go(&mut self, pair: &Operands, step: &[f64; 6], lower: f64) -> bool {
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let square = dot(&self.between, &self.between);
-        let mut share = 1.0;
-        for _ in 0..4 {
-            let mut next = self.places;
-            for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
-                let place = if i < self.count { &mut next.a } else { &mut next.b };
-                place.go(way, share * step[i]);
-            }
-            next.a.settle();
-            next.b.settle();
-            let (of_a, between) = next.points(pair);
-            if dot(&between, &between) < square {
-                (self.places, self.of_a, self.between) = (next, of_a, between);
-                self.find_ways(pair);
-                return size > LAST;
-            }
-            if size <= LAST {
-                break;
+        let mut by = [Displacement::NONE; 2];
+        for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
+            by[usize::from(i >= self.count)].add(way, step[i]);
+        }
+        let normal = self.predicted(step, 1.0);
+        if self.approaches(pair, self.moved(&by, 1.0)) {
+            self.normal = normal;
+            return size > LAST;
+        }
+        if size <= LAST {
+            return false;
+        }
+        self.go_less(pair, &by, step, lower)
+    }
+
+    /// [`Newton::go`] where the full step does not reduce the distance: goes on if it raises the lower bound, and else
+    /// takes a part of it.
+    #[cold]
+    #[inline(never)]
+    fn go_less(&mut self, pair: &Operands, by: &[Displacement; 2], step: &[f64; 6], lower: f64) -> bool {
+        let normal = self.predicted(step, 1.0);
+        if dot(&normal, &pair.support(&normal).0) > lower {
+            self.go_to(pair, self.moved(by, 1.0));
+            self.normal = normal;
+            return true;
+        }
+        // Up to the first bound that a coordinate reaches: then that coordinate is fixed.
+        let most = self.places.a.share_to_bound(&by[0]).min(self.places.b.share_to_bound(&by[1]));
+        let mut share = if most < 1.0 && most > LEAST_SHARE { most } else { 0.25 };
+        for _ in 0..SHARES {
+            let normal = self.predicted(step, share);
+            if self.approaches(pair, self.moved(by, share)) {
+                self.normal = normal;
+                return true;
             }
             share *= 0.25;
         }
         false
     }
 
-    /// Whether the vector between the points is nearly perpendicular to all ways.
+    /// The places after a share of a step.
     #[inline(always)]
-    pub(super) fn is_near(&self) -> bool {
-        let square = dot(&self.between, &self.between);
-        let ways = &self.ways.list[..self.ways.len];
-        ways.iter().all(|way| way.slope * way.slope <= NEAR * (dot(&way.tangent, &way.tangent) * square))
+    fn moved(&self, by: &[Displacement; 2], share: f64) -> Places {
+        Places { a: self.places.a.moved(&by[0], share), b: self.places.b.moved(&by[1], share) }
     }
 
-    /// A vector near `between` that is perpendicular to the ways: the cross product of two of them, or `between`
+    #[inline(always)]
+    fn go_to(&mut self, pair: &Operands, places: Places) {
+        (self.of_a, self.between) = places.points(pair);
+        self.places = places;
+    }
+
+    /// Goes to these places if they are closer to each other.
+    #[inline(always)]
+    fn approaches(&mut self, pair: &Operands, places: Places) -> bool {
+        let (of_a, between) = places.points(pair);
+        let is_closer = dot(&between, &between) < dot(&self.between, &self.between);
+        if is_closer {
+            (self.places, self.of_a, self.between) = (places, of_a, between);
+        }
+        is_closer
+    }
+
+    /// The normal after a share of a step.
+    #[inline(always)]
+    fn predicted(&self, step: &[f64; 6], share: f64) -> Point {
+        let mut moved = self.between;
+        for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
+            moved = each(|k| moved[k] + share * step[i] * way.tangent[k]);
+        }
+        let lost = dot(&self.normal, &self.between) - dot(&self.normal, &moved);
+        unit(&each(|k| moved[k] + lost * self.normal[k]))
+    }
+
+    /// A direction near d that is perpendicular to the side lines of cones on which the places are.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn across_sides(&self, pair: &Operands, mut d: Point) -> Point {
+        // Where both are cones, each correction undoes a part of the other.
+        for _ in 0..3 {
+            d = pair.b.form.across_side(&self.places.b, &d);
+            let of_a = pair.a.form.across_side(&self.places.a, &each(|k| -d[k]));
+            d = each(|k| -of_a[k]);
+        }
+        d
+    }
+
+    /// Whether the normal is nearly perpendicular to all ways.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        let ways = &self.ways.list[..self.ways.len];
+        ways.iter().all(|way| way.slope * way.slope <= NEAR * dot(&way.tangent, &way.tangent))
+    }
+
+    /// A vector near the normal that is perpendicular to the ways: the cross product of two of them, or the normal
     /// without its component along the only one.
     #[inline(always)]
     pub(super) fn direction(&self) -> Point {
         let ways = &self.ways.list[..self.ways.len];
         match ways {
-            [] => return self.between,
-            [way] => return without(&self.between, &way.tangent),
+            [] => return self.normal,
+            [way] => return without(&self.normal, &way.tangent),
             _ => {}
         }
         // The tangent of a rim is as inaccurate as the place on it; straight ways are exact.
@@ -221,11 +305,67 @@ impl Newton {
                 }
             }
             if most > 1e-10 {
-                let sign = 1.0_f64.copysign(dot(&best, &self.between));
+                let sign = 1.0_f64.copysign(dot(&best, &self.normal));
                 return each(|k| sign * best[k]);
             }
         }
-        without(&self.between, &ways[0].tangent)
+        without(&self.normal, &ways[0].tangent)
+    }
+
+    /// Newton's step, and whether it is for the distance instead of its square, without `g g^T`. Omits ways that depend
+    /// on earlier ones (`LDL^T`, skipping small pivots).
+    #[inline(always)]
+    fn solve(&self, may_be_near: bool) -> ([f64; 6], bool) {
+        let (list, n) = (&self.ways.list, self.ways.len);
+        // L below the diagonal, and the transpose of L D above it.
+        let mut h = [[0.0; 6]; 6];
+        let (mut s, mut inverse, mut squares) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+        let height = dot(&self.normal, &self.between);
+        let mut is_near = may_be_near && height > 0.0;
+        let height = if height > 0.0 { height } else { 0.0 };
+        for i in 0..n {
+            let way = &list[i];
+            s[i] = -dot(&way.tangent, &self.between);
+            squares[i] = dot(&way.tangent, &way.tangent);
+            is_near &= way.slope * way.slope <= NEAR * squares[i];
+        }
+        let less = if is_near { 1.0 } else { 0.0 };
+        for i in 0..n {
+            let way = &list[i];
+            let slope = less * way.slope;
+            let square = squares[i] - slope * way.slope;
+            let mut diagonal = square + height * way.bend;
+            let least = 1e-14 * (square + diagonal);
+            let (above, below) = h.split_at_mut(i);
+            let row = &mut below[0];
+            for j in 0..i {
+                let mut product = dot(&way.tangent, &list[j].tangent) - slope * list[j].slope;
+                if j + 1 == i {
+                    product += height * way.mixed;
+                }
+                for (x, before) in row.iter().zip(&*above).take(j) {
+                    product -= x * before[j];
+                }
+                above[j][i] = product;
+                row[j] = product * inverse[j];
+                diagonal -= row[j] * product;
+                s[i] -= row[j] * s[j];
+            }
+            if diagonal > least {
+                inverse[i] = 1.0 / diagonal;
+            } else {
+                s[i] = 0.0;
+            }
+        }
+        for i in (0..n).rev() {
+            s[i] *= inverse[i];
+            if inverse[i] > 0.0 {
+                for k in i + 1..n {
+                    s[i] -= h[k][i] * s[k];
+                }
+            }
+        }
+        (s, is_near)
     }
 }
 
@@ -237,66 +377,10 @@ pub(super) fn without(v: &Point, way: &Point) -> Point {
     each(|k| v[k] - rest * way[k])
 }
 
-/// Newton's step, the solution of H s = -g, and whether it is for the distance instead of its square. Omits ways that
-/// depend on earlier ones (`LDL^T`, skipping small pivots).
+/// The vector of unit length in the direction of another, or zero.
 #[inline(always)]
-fn solve(ways: &Ways, between: &Point, may_be_near: bool) -> ([f64; 6], bool) {
-    let n = ways.len;
-    let mut h = [[0.0; 6]; 6];
-    let mut s = [0.0; 6];
-    let mut skipped = [false; 6];
-    let square = dot(between, between);
-    let mut is_near = may_be_near && square > 0.0;
-    for i in 0..n {
-        let way = &ways.list[i];
-        s[i] = -way.slope;
-        h[i][i] = dot(&way.tangent, &way.tangent);
-        is_near &= s[i] * s[i] <= NEAR * (h[i][i] * square);
-    }
-    let gradient = s;
-    let inverse = if is_near { 1.0 / square } else { 0.0 };
-    for i in 0..n {
-        let way = &ways.list[i];
-        for j in 0..i {
-            h[i][j] = dot(&way.tangent, &ways.list[j].tangent) - gradient[i] * (gradient[j] * inverse);
-        }
-        h[i][i] -= gradient[i] * (gradient[i] * inverse);
-        if i > 0 {
-            h[i][i - 1] += way.mixed;
-        }
-        let diagonal = h[i][i];
-        h[i][i] += way.bend;
-        let least = 1e-14 * (diagonal + h[i][i]);
-        // Row i of L times D, then of L.
-        for j in 0..i {
-            if skipped[j] {
-                h[i][j] = 0.0;
-                continue;
-            }
-            for k in 0..j {
-                h[i][j] -= h[i][k] * h[j][k] * h[k][k];
-            }
-            h[i][j] /= h[j][j];
-        }
-        for k in 0..i {
-            h[i][i] -= h[i][k] * h[i][k] * h[k][k];
-            s[i] -= h[i][k] * s[k];
-        }
-        if h[i][i] <= least || h[i][i].is_nan() {
-            skipped[i] = true;
-            s[i] = 0.0;
-            h[i][i] = 0.0;
-        }
-    }
-    for i in (0..n).rev() {
-        if skipped[i] {
-            s[i] = 0.0;
-            continue;
-        }
-        s[i] /= h[i][i];
-        for k in i + 1..n {
-            s[i] -= h[k][i] * s[k];
-        }
-    }
-    (s, is_near)
+pub(super) fn unit(v: &Point) -> Point {
+    let length = sqrt(dot(v, v));
+    let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+    each(|k| v[k] * inverse)
 }

@@ -4,6 +4,12 @@ use super::support::{Form, each};
 use crate::range::Point;
 use crate::vector::{difference, dot, sqrt};
 
+/// A way at a bound is blocked up to this squared cosine of its angle with the pull, which may be due to rounding.
+const FLAT: f64 = 1e-24;
+
+/// Points of the unit disc whose squared radius is at least one less this are on the rim.
+const ON_RIM: f64 = 1e-13;
+
 /// A point of a core.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct CorePoint {
@@ -62,7 +68,9 @@ impl Ways {
     #[inline(always)]
     fn add_line(&mut self, k: u8, x: f64, tangent: &Point, pull: &Point) -> bool {
         let slope = dot(tangent, pull);
-        let is_free = (x > -1.0 || slope < 0.0) && (x < 1.0 || slope > 0.0);
+        let is_free = x > -1.0 && x < 1.0
+            || slope * slope > FLAT * dot(tangent, tangent)
+                && if x < 0.0 { slope < 0.0 } else { slope > 0.0 };
         if is_free {
             self.add(*tangent, slope, FreeCoordinate::Line(k));
         }
@@ -195,6 +203,20 @@ impl Form {
         }
     }
 
+    /// A direction near d that is perpendicular to the side line of a cone at which d points outwards. It has d's
+    /// azimuth, so the line is exact.
+    pub(super) fn across_side(&self, place: &CorePoint, d: &Point) -> Point {
+        let Self::Cone(half, [u, v]) = self else { return *d };
+        let (y, z) = (dot(d, u), dot(d, v));
+        let out = sqrt(y * y + z * z);
+        if place.x[0] <= -1.0 || place.x[0] >= 1.0 || out == 0.0 {
+            return *d;
+        }
+        let side: Point = each(|k| half[k] - (y * u[k] + z * v[k]) / (2.0 * out));
+        let rest = dot(&side, d) / dot(&side, &side);
+        each(|k| d[k] - rest * side[k])
+    }
+
     /// The ways of a place that is pulled along -`pull`: those that the boundary of the core does not block.
     #[inline(always)]
     pub(super) fn ways(&self, place: &CorePoint, pull: &Point, ways: &mut Ways) {
@@ -238,37 +260,78 @@ impl Form {
     }
 }
 
-impl CorePoint {
-    /// Moves along a way. The place is in the core after [`CorePoint::settle`].
+/// How a step moves a place.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Displacement {
+    x: [f64; 3],
+    disc: [f64; 2],
+    rim: f64,
+    /// Whether the coordinates are barycentric.
+    is_barycentric: bool,
+}
+
+impl Displacement {
+    pub(super) const NONE: Self = Self { x: [0.0; 3], disc: [0.0; 2], rim: 0.0, is_barycentric: false };
+
+    /// Adds a step along a way.
     #[inline(always)]
-    pub(super) fn go(&mut self, way: &Way, by: f64) {
+    pub(super) fn add(&mut self, way: &Way, by: f64) {
         match way.slot {
-            FreeCoordinate::Line(k) => {
-                let x = &mut self.x[usize::from(k)];
-                *x = (*x + by).clamp(-1.0, 1.0);
-            }
+            FreeCoordinate::Line(k) => self.x[usize::from(k)] = by,
             FreeCoordinate::Corner(k, from) => {
-                let (k, from) = (usize::from(k), usize::from(from));
-                let by = by.min(self.x[from]).max(-self.x[k]);
-                self.x[k] += by;
-                self.x[from] = (self.x[from] - by).max(0.0);
+                self.x[usize::from(k)] += by;
+                self.x[usize::from(from)] -= by;
+                self.is_barycentric = true;
             }
-            FreeCoordinate::Disc(k) => self.disc[usize::from(k)] += by,
-            FreeCoordinate::Rim => {
-                let [y, z] = self.disc;
-                let (y, z) = (y - z * by, z + y * by);
-                let inverse = 1.0 / sqrt(y * y + z * z);
-                self.disc = [y * inverse, z * inverse];
-            }
+            FreeCoordinate::Disc(k) => self.disc[usize::from(k)] = by,
+            FreeCoordinate::Rim => self.rim = by,
         }
     }
 }
 
 impl CorePoint {
-    /// Projects to the nearest point of the disc.
+    /// The place after a share of a displacement, or the point of the core near it.
     #[inline(always)]
-    pub(super) fn settle(&mut self) {
-        self.disc = in_disc(self.disc);
+    pub(super) fn moved(&self, by: &Displacement, share: f64) -> Self {
+        let mut x = each(|k| self.x[k] + share * by.x[k]);
+        if by.is_barycentric {
+            let [p, q, r] = x.map(|x| if x > 0.0 { x } else { 0.0 });
+            let inverse = 1.0 / ((p + q) + r);
+            x = [p * inverse, q * inverse, r * inverse];
+        } else {
+            x = x.map(|x| x.clamp(-1.0, 1.0));
+        }
+        let [mut y, mut z] = self.disc;
+        if by.rim != 0.0 {
+            let turn = share * by.rim;
+            let (u, v) = (y - z * turn, z + y * turn);
+            let inverse = 1.0 / sqrt(u * u + v * v);
+            (y, z) = (u * inverse, v * inverse);
+        }
+        Self { x, disc: in_disc([y + share * by.disc[0], z + share * by.disc[1]]) }
+    }
+
+    /// The share of a displacement, at most 1, after which a coordinate reaches its bound.
+    #[inline(always)]
+    pub(super) fn share_to_bound(&self, by: &Displacement) -> f64 {
+        let mut share = 1.0;
+        let low = if by.is_barycentric { 0.0 } else { -1.0 };
+        for k in 0..3 {
+            let (x, step) = (self.x[k], by.x[k]);
+            if x + step > 1.0 {
+                share = ((1.0 - x) / step).min(share);
+            } else if x + step < low {
+                share = ((low - x) / step).min(share);
+            }
+        }
+        let ([y, z], [u, v]) = (self.disc, by.disc);
+        let (square, product) = (u * u + v * v, y * u + z * v);
+        let rest = 1.0 - (y * y + z * z);
+        if square + 2.0 * product > rest {
+            // The greater root of `square t^2 + 2 product t = rest`.
+            share = ((sqrt(product * product + square * rest.max(0.0)) - product) / square).min(share);
+        }
+        share
     }
 }
 
@@ -276,11 +339,11 @@ impl CorePoint {
 fn disc_ways([u, v]: &[Point; 2], [y, z]: &[f64; 2], share: f64, pull: &Point, ways: &mut Ways) {
     let (du, dv) = (share * dot(u, pull), share * dot(v, pull));
     let out = y * du + z * dv;
-    let is_on_rim = y * y + z * z > 1.0 - 8.0 * f64::EPSILON;
-    if is_on_rim && out <= 0.0 {
+    let is_on_rim = y * y + z * z > 1.0 - ON_RIM;
+    if is_on_rim && (out <= 0.0 || out * out <= FLAT * (share * share * dot(u, u))) {
         let tangent = each(|k| share * (y * v[k] - z * u[k]));
         ways.add(tangent, y * dv - z * du, FreeCoordinate::Rim);
-        ways.list[ways.len - 1].bend = -out;
+        ways.list[ways.len - 1].bend = if out < 0.0 { -out } else { 0.0 };
     } else {
         ways.add(each(|k| share * u[k]), du, FreeCoordinate::Disc(0));
         ways.add(each(|k| share * v[k]), dv, FreeCoordinate::Disc(1));

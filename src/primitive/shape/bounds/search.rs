@@ -22,8 +22,8 @@ pub(super) mod tests;
 /// fewer than 30.
 const STEPS: usize = 64;
 
-/// How much cores are shrunk to find a common point.
-const SHRINK: f64 = power_of_two(-8);
+/// How much a core is shrunk to find a common point.
+const SHRINK: f64 = power_of_two(-7);
 
 /// Maximum number of steps of the search for a common point.
 const COMMON_STEPS: usize = 16;
@@ -188,43 +188,60 @@ impl<'p> DistanceSearch<'p> {
     #[inline(always)]
     fn newton(&mut self, places: Places) -> bool {
         let mut newton = Newton::new(self.pair, places);
-        for step in 0..newton::STEPS {
-            // A lower bound costs a third of a step, and is tight only near the solution.
-            let is_solved = (step == 0 || newton.is_near()) && self.is_solved_by(&newton);
-            if is_solved || step == 0 && self.lower <= 0.0 && self.common(&newton.between) {
+        let mut goes_on = true;
+        for step in 0..=newton::STEPS {
+            if self.is_solved_by(&mut newton, step == 0) {
                 return true;
             }
-            if !newton.step(self.pair) {
+            if step == 0 && self.lower <= 0.0 && self.common(&newton.between) {
+                return true;
+            }
+            if !goes_on || step == newton::STEPS {
                 break;
             }
-        }
-        if self.is_solved_by(&newton) {
-            return true;
+            goes_on = newton.step(self.pair, self.lower);
         }
         self.lower_along(&newton.between);
         self.is_done()
     }
 
+    /// Bounds the distance by the points and along the normal. If that does not raise the lower bound, but the direction
+    /// between the points does, it becomes the normal.
     #[inline(always)]
-    fn is_solved_by(&mut self, newton: &Newton) -> bool {
-        self.upper_by(&newton.between, &newton.of_a);
-        if dot(&newton.between, &newton.between) < NEAR * (self.pair.size * self.pair.size)
+    fn is_solved_by(&mut self, newton: &mut Newton, is_first: bool) -> bool {
+        let square = self.upper_by(&newton.between, &newton.of_a);
+        if square < NEAR * (self.pair.size * self.pair.size)
             && let Some(point) = newton.common(self.pair)
         {
             (self.upper, self.between, self.of_a) = (0.0, [0.0; 3], point);
             return true;
         }
-        self.lower_along(&newton.direction());
+        newton.find_ways(self.pair);
+        let (before, is_near) = (self.lower, newton.is_near());
+        let d = if is_near || is_first { newton.direction() } else { newton.normal };
+        self.lower_along(&d);
+        if self.lower <= before && !self.is_done() {
+            self.lower_along(&newton.between);
+            if self.lower > before {
+                newton.normal = newton::unit(&newton.between);
+                newton.find_ways(self.pair);
+            }
+        }
+        if is_near && self.upper - self.lower < CLOSE * self.pair.size && !self.is_done() {
+            self.lower_along(&newton.across_sides(self.pair, d));
+        }
         self.is_done()
     }
 
-    /// Looks for a common point of the cores shrunk about their centres: each point of a shrunk core is the centre of
-    /// a ball inside the core, since `s K + (1 - s) K` is K for a convex K.
+    /// Looks for a common point of one core and the other shrunk about its centre: each point of the shrunk core is the
+    /// centre of a ball inside the core, since `s K + (1 - s) K` is K for a convex K. Shrinks a core that is small, but
+    /// not thin: its points move less, and the ball is not too small.
     #[inline(never)]
     fn common(&mut self, from: &Point) -> bool {
         let pair = self.pair;
         let inner = [pair.a.form.inner(), pair.b.form.inner()];
-        let is_in_b = inner[1] >= inner[0];
+        let reach = [pair.a.reach, pair.b.reach];
+        let is_in_b = inner[1] * (reach[0] * reach[0]) >= inner[0] * (reach[1] * reach[1]);
         let room = SHRINK * if is_in_b { inner[1] } else { inner[0] } - pair.slack;
         if room <= 0.0 {
             return false;
@@ -233,8 +250,8 @@ impl<'p> DistanceSearch<'p> {
         let mut direction = *from;
         for _ in 0..COMMON_STEPS {
             let shrunk = |p: Point| each(|k| (1.0 - SHRINK) * p[k]);
-            let of_a = shrunk(pair.a.support(&each(|k| -direction[k])));
-            let of_b = shrunk(pair.b.support(&direction));
+            let (of_a, of_b) = (pair.a.support(&each(|k| -direction[k])), pair.b.support(&direction));
+            let (of_a, of_b) = if is_in_b { (of_a, shrunk(of_b)) } else { (shrunk(of_a), of_b) };
             let point: Point = each(|k| pair.between[k] + (of_a[k] - of_b[k]));
             if dot(&direction, &point) > 0.0 || simplex.has(&point) {
                 return false;
@@ -331,13 +348,15 @@ impl<'p> DistanceSearch<'p> {
         (point, of_a)
     }
 
-    /// Bounds the distance from above by a point of A - B.
+    /// Bounds the distance from above by a point of A - B, and returns its square.
     #[inline(always)]
-    fn upper_by(&mut self, between: &Point, of_a: &Point) {
-        let upper = sqrt(dot(between, between)) + self.pair.slack;
+    fn upper_by(&mut self, between: &Point, of_a: &Point) -> f64 {
+        let square = dot(between, between);
+        let upper = sqrt(square) + self.pair.slack;
         if upper < self.upper {
             (self.upper, self.between, self.of_a) = (upper, *between, *of_a);
         }
+        square
     }
 
     #[inline(always)]

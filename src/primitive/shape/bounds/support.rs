@@ -35,7 +35,7 @@ pub(super) struct Operand {
     shift: Point,
     pub(super) form: Form,
     /// No point is farther from the centre.
-    reach: f64,
+    pub(super) reach: f64,
 }
 
 /// The kinds of cores, relative to the centre.
