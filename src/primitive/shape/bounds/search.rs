@@ -111,7 +111,8 @@ impl<'p> DistanceSearch<'p> {
 
     #[inline(always)]
     fn run(mut self, a: &Shape, b: &Shape) -> Certified {
-        if !self.newton(Places::guess(self.pair)) && !self.touches(a, b) {
+        let guess = Places::guess(self.pair);
+        if !self.newton(guess, Some([a, b])) && !self.touches(a, b) {
             self.gjk();
         }
         if self.may_meet() && !self.touches(a, b) {
@@ -135,7 +136,7 @@ impl<'p> DistanceSearch<'p> {
     /// Looks for the closest points.
     #[inline(always)]
     pub(super) fn approach(&mut self) {
-        if !self.newton(Places::guess(self.pair)) {
+        if !self.newton(Places::guess(self.pair), None) {
             self.gjk();
         }
     }
@@ -184,16 +185,20 @@ impl<'p> DistanceSearch<'p> {
         None
     }
 
-    /// Proposes closest points by Newton's method from these places. Returns whether the bounds suffice.
+    /// Proposes closest points by Newton's method from these places. Returns whether the bounds suffice. If the shapes
+    /// are given, they are tested first.
     #[inline(always)]
-    fn newton(&mut self, places: Places) -> bool {
+    fn newton(&mut self, places: Places, shapes: Option<[&Shape; 2]>) -> bool {
         let mut newton = Newton::new(self.pair, places);
         let mut goes_on = true;
         for step in 0..=newton::STEPS {
             if self.is_solved_by(&mut newton, step == 0) {
                 return true;
             }
-            if step == 0 && self.lower <= 0.0 && self.common(&newton.between) {
+            if step == 0
+                && self.lower <= 0.0
+                && (shapes.is_some_and(|[a, b]| self.touches(a, b)) || self.common(&newton.between))
+            {
                 return true;
             }
             if !goes_on || step == newton::STEPS {
@@ -306,12 +311,12 @@ impl<'p> DistanceSearch<'p> {
             direction = nearest.direction;
             if step % 4 == 3 {
                 let places = Places::near(self.pair, &nearest.of_a, &nearest.point);
-                if self.newton(places) {
+                if self.newton(places, None) {
                     return;
                 }
             }
         }
-        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between)) {
+        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between), None) {
             self.edges();
         }
     }

@@ -13,7 +13,14 @@ use crate::vector::{cross, difference, dot, sqrt};
 /// Maximum number of rounds of [`blocks`].
 const ROUNDS: usize = 10;
 
-/// How much blocks are shrunk to find a common point.
+/// Blocks that touch are apart once one is shrunk: their points stop at some distance. Then the next distance exceeds this
+/// share of the last one.
+const STALLED: f64 = 0.9;
+
+/// The bounds of the coordinates of blocks that are not shrunk.
+const WHOLE: [f64; 2] = [1.0; 2];
+
+/// How much a block is shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-7);
 
 /// Bounds of the distance between two blocks, from the coordinates x and y of their points.
@@ -45,9 +52,9 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     let slack = SLACK * sqrt(3.0 * total);
     let (t, origins) = (products.between, difference(a.origin, b.origin));
     let axis = if N == 3 && M == 3 { Some(products.widest()) } else { None };
-    // Search only points away from the boundary: they can prove that the cores meet.
-    let mut most = if let Some(WidestAxis::None) = axis { 1.0 - SHRINK } else { 1.0 };
-    let mut is_apart = false;
+    // Points away from the boundary can prove that the cores meet.
+    let mut most = if let Some(WidestAxis::None) = axis { products.shrunk(SHRINK) } else { WHOLE };
+    let (mut is_apart, mut last) = (false, f64::INFINITY);
     let mut places = axis.map_or_else(|| products.near_centre(), |axis| products.on_axis(a, b, &axis));
     for round in 0..ROUNDS {
         if axis.is_none() || round > 0 {
@@ -77,11 +84,14 @@ pub(super) fn blocks<const N: usize, const M: usize>(
                 return Some(goal.bounds(0.0, 0.0, &at, &[0.0; 3], 0.0));
             }
             if round > 0 && !is_apart {
-                most = 1.0 - SHRINK;
+                if most != WHOLE && length > STALLED * last {
+                    return None;
+                }
+                (most, last) = (products.shrunk(SHRINK), length);
             }
             continue;
         }
-        (is_apart, most) = (true, 1.0);
+        (is_apart, most) = (true, WHOLE);
         if goal.is_met(lower, upper, slack) {
             return Some(goal.bounds(lower, upper, &at, &between, length));
         }

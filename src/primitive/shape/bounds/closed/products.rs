@@ -140,18 +140,18 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
 
     /// Projects A's point to B, and the result to A.
     #[inline(always)]
-    pub(super) fn project(&self, places: &mut BlockPlaces<N, M>, most: f64) {
-        places.y = from_fn(|j| clamped(self.along_of_b(j, &places.x) * self.inverse_b[j], most));
+    pub(super) fn project(&self, places: &mut BlockPlaces<N, M>, [most_a, most_b]: [f64; 2]) {
+        places.y = from_fn(|j| clamped(self.along_of_b(j, &places.x) * self.inverse_b[j], most_b));
         places.free_x = self.to_a(&places.y);
-        places.x = places.free_x.map(|x| clamped(x, most));
+        places.x = places.free_x.map(|x| clamped(x, most_a));
     }
 
     /// Newton's step over B's free coordinates, while A's point follows. If A or B has no free coordinate, a
     /// projection is exact.
     #[inline(always)]
-    pub(super) fn step(&self, places: &mut BlockPlaces<N, M>, most: f64) {
-        let is_free = |x: &f64| x.abs() < most;
-        if !(places.x.iter().any(is_free) && places.y.iter().any(is_free)) {
+    pub(super) fn step(&self, places: &mut BlockPlaces<N, M>, [most_a, most_b]: [f64; 2]) {
+        let (is_free_a, is_free) = (|x: &f64| x.abs() < most_a, |y: &f64| y.abs() < most_b);
+        if !(places.x.iter().any(is_free_a) && places.y.iter().any(is_free)) {
             return;
         }
         let (mut h, mut s) = ([[0.0; M]; M], [0.0; M]);
@@ -164,16 +164,27 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
             h[j][j] = self.squares_b[j];
             for i in 0..N {
                 let factor = self.mixed[i][j] * self.inverse_a[i];
-                let share = if is_free(&places.free_x[i]) { factor } else { 0.0 };
+                let share = if is_free_a(&places.free_x[i]) { factor } else { 0.0 };
                 for k in 0..=j {
                     h[j][k] -= share * self.mixed[i][k];
                 }
             }
         }
         solve(&mut h, &mut s, &self.squares_b);
-        places.y = from_fn(|j| clamped(places.y[j] + s[j], most));
+        places.y = from_fn(|j| clamped(places.y[j] + s[j], most_b));
         places.free_x = self.to_a(&places.y);
-        places.x = places.free_x.map(|x| clamped(x, most));
+        places.x = places.free_x.map(|x| clamped(x, most_a));
+    }
+
+    /// The bounds of the coordinates in a search for a common point: with one block shrunk by this share, whose points
+    /// are centres of balls inside. That is a block that is small, but not thin: its points move less, and the balls
+    /// are not too small.
+    #[inline(always)]
+    pub(super) fn shrunk(&self, by: f64) -> [f64; 2] {
+        let of = |squares: &[f64]| squares.iter().fold([f64::INFINITY, 0.0], |[s, t], x| [x.min(s), t + x]);
+        let ([least_a, all_a], [least_b, all_b]) = (of(&self.squares_a), of(&self.squares_b));
+        let is_b = N < 3 || least_b * (all_a * all_a) >= least_a * (all_b * all_b);
+        if is_b { [1.0, 1.0 - by] } else { [1.0 - by, 1.0] }
     }
 }
 
