@@ -1,9 +1,10 @@
-use super::{Certified, bounds};
+use super::{COMFORTABLE, Certified, DistanceSearch, Newton, Operands, Places, bounds, newton};
 use crate::exact::power_of_two;
 use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
 use crate::rng::Rng;
 use alloc::format;
+use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering};
 use double::{Double, Vector, along, exact, length, minus};
 use samples::{Sampled, moved, scaled};
@@ -146,6 +147,53 @@ fn round_shapes_have_their_distances() {
     assert!(sure[0] * 100 > sure[1] * 95, "{sure:?}");
     let loose = LOOSE.load(Ordering::Relaxed) as usize;
     assert!(loose * 1000 <= sure[1], "{loose} of {}", sure[1]);
+}
+
+/// Two shapes of which A came from a random direction, until the distance is below 2^-15. `None` if it passes B.
+fn approach(kinds: [usize; 2], random: &mut Rng) -> Option<[Shape; 2]> {
+    let [[x, frame @ ..], other] = [random.frame(), random.frame()];
+    let aside: Point = [0, 1].map(|k| frame[k].map(|y| 0.3 * y)).into_iter().fold([0.0; 3], |sum, y| {
+        let by = random.range(-1.0, 1.0);
+        [0, 1, 2].map(|k| sum[k] + by * y[k])
+    });
+    let mut a =
+        random.shape(kinds[0], &[x, frame[0], frame[1]], [0, 1, 2].map(|k| 4.0 * x[k] + aside[k]), 1.0);
+    let b = random.shape(kinds[1], &other, [0.0; 3], 1.0);
+    for _ in 0..200 {
+        let found = bounds(&a, &b, f64::INFINITY, 1e-6);
+        if found.lower < power_of_two(-15) {
+            return (found.lower > 0.0).then_some([a, b]);
+        }
+        a = moved(&a, &x.map(|x| -found.lower * x));
+    }
+    None
+}
+
+/// Newton's method alone, in few steps.
+#[test]
+fn newton_converges_where_round_shapes_nearly_touch() {
+    let mut random = Rng::new(9);
+    let (mut solved, mut all, mut steps) = (0, 0, 0);
+    for i in 3..6 {
+        for j in 4..6 {
+            for [a, b] in (0..300).filter_map(|_| approach([i, j], &mut random)).collect::<Vec<_>>() {
+                let pair = Operands::of(a.core(), b.core(), 1.0).unwrap();
+                let radii = [a.radius(), b.radius()];
+                let mut search = DistanceSearch::new(&pair, radii, f64::INFINITY, power_of_two(-42));
+                let mut newton = Newton::new(&pair, Places::guess(&pair));
+                let (mut is_solved, mut goes_on, mut taken) = (false, true, 0);
+                while !is_solved && goes_on && taken < newton::STEPS {
+                    is_solved = search.is_solved_by(&mut newton, taken == 0);
+                    goes_on = is_solved || newton.step(&pair, search.lower);
+                    taken += usize::from(!is_solved);
+                }
+                solved += usize::from(is_solved);
+                steps += taken;
+                all += 1;
+            }
+        }
+    }
+    assert!(all > 1500 && solved * 100 > all * 96 && steps < 3 * all, "{solved} of {all}, {steps} steps");
 }
 
 #[test]
