@@ -138,6 +138,7 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
             &row("any", name, sweep.len(), &format!("a sphere {what}"), spheres.len()),
             ways,
             &truth,
+            0,
             rows,
         );
 
@@ -175,7 +176,7 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
         });
         let of =
             row("any", name, sweep.len(), &format!("any of {LINK} spheres {what}"), spheres.len() / LINK);
-        compare(&of, ways, &truth, rows);
+        compare(&of, ways, &truth, 0, rows);
         for row in &mut rows[from..] {
             let per_point = |bytes: usize| Some(bytes as f64 / sweep.len() as f64);
             match row.library.as_str() {
