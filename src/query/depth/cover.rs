@@ -379,8 +379,8 @@ mod tests {
         assert!(raised > 200 && joined > 400, "{raised} {joined}");
     }
 
-    /// All translations shorter than 1 are forbidden, but at most a ball of radius 0.3 about each is known.
-    struct Forbidden;
+    /// All translations shorter than 1 are forbidden, but at most a ball of this radius about each is known.
+    struct Forbidden(f64);
 
     impl PosedPair for Forbidden {
         fn is_free(&mut self, t: &Point) -> Result<bool, OutOfBudget> {
@@ -402,7 +402,7 @@ mod tests {
             _: usize,
             _: f64,
         ) -> Result<(f64, Option<Shared>), OutOfBudget> {
-            Ok((f64::min(1.0 - length(t), 0.3), None))
+            Ok((f64::min(1.0 - length(t), self.0), None))
         }
 
         fn stats(&self) -> QueryStats {
@@ -414,19 +414,31 @@ mod tests {
         }
     }
 
-    /// The ball at twice the reach only touches the first one, and does not help. Balls at the reach do.
-    #[test]
-    fn balls_near_the_reach_go_on_where_far_ones_end() {
+    /// The bounds before and after balls are sought near the reach.
+    fn bounds(mut bodies: Forbidden) -> [f64; 2] {
         let mut cover = ForbiddenBall::new(0.3, None);
         let mut ends = [0.0; 2];
         for end in &mut ends {
             while !cover.is_final {
-                assert!(cover.step(&mut Forbidden).is_ok());
+                assert!(cover.step(&mut bodies).is_ok());
             }
             *end = cover.lower();
             cover.seek_near();
         }
-        let [far, near] = ends;
+        ends
+    }
+
+    /// The ball at twice the reach only touches the first one, and does not help. Balls at the reach do.
+    #[test]
+    fn balls_near_the_reach_go_on_where_far_ones_end() {
+        let [far, near] = bounds(Forbidden(0.3));
         assert!((0.3..0.4).contains(&far) && 0.7 < near && near <= 1.0, "{far} {near}");
+    }
+
+    /// The ball at twice the reach goes on to the end of what is forbidden.
+    #[test]
+    fn far_balls_reach_no_farther_than_what_is_forbidden() {
+        let [far, near] = bounds(Forbidden(0.5));
+        assert!(0.9 < far && far <= near && near <= 1.0, "{far} {near}");
     }
 }

@@ -13,8 +13,8 @@ use crate::vector::{cross, difference, dot, sqrt};
 /// Maximum number of rounds of [`blocks`].
 const ROUNDS: usize = 10;
 
-/// Blocks that touch are apart once one is shrunk: their points stop at some distance. Then the next distance exceeds this
-/// share of the last one.
+/// Blocks that touch are apart once one is shrunk: their points stop at some distance. Then the next distance exceeds
+/// this share of the last one.
 const STALLED: f64 = 0.9;
 
 /// The bounds of the coordinates of blocks that are not shrunk.
@@ -22,6 +22,9 @@ const WHOLE: [f64; 2] = [1.0; 2];
 
 /// How much a block is shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-7);
+
+/// The slack of [`blocks`], relative to S.
+pub(super) const SLACK: f64 = 32.0 * 0.5 * f64::EPSILON;
 
 /// Bounds of the distance between two blocks, from the coordinates x and y of their points.
 ///
@@ -43,7 +46,6 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     b: &Zonotope<'_, M>,
     goal: &Target,
 ) -> Option<Certified> {
-    const SLACK: f64 = 32.0 * 0.5 * f64::EPSILON;
     let products = EdgeProducts::new(a, b);
     let total = products.total();
     if !COMFORTABLE.contains(&total) {

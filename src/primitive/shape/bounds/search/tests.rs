@@ -1,4 +1,4 @@
-use super::{COMFORTABLE, Certified, DistanceSearch, Newton, Operands, Places, bounds, newton};
+use super::{Certified, DistanceSearch, Newton, Operands, Places, bounds, newton};
 use crate::exact::power_of_two;
 use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
