@@ -379,8 +379,8 @@ fn disagreements(rows: &[Row], singles: &[single::Row]) -> String {
     let wrong: usize = singles.iter().filter(|row| row.table == "single").map(|row| row.wrong).sum();
     let _ = writeln!(
         text,
-        "\nSingle queries that differ from simdop's, and nearest points by more than four units in the last place of their \
-         squared distance: {wrong}."
+        "\nSingle queries that differ from simdop's, and nearest points whose squared distance does by more than four \
+         units in the last place: {wrong}."
     );
     text
 }

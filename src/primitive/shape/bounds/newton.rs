@@ -135,8 +135,8 @@ impl Newton {
         }
     }
 
-    /// Moves the places and the normal; the caller then calls [`Newton::find_ways`]. `lower` is the greatest lower bound
-    /// of the distance. Returns false if that was the last step.
+    /// Moves the places and the normal; the caller then calls [`Newton::find_ways`]. `lower` is the greatest lower
+    /// bound of the distance. Returns false if that was the last step.
     #[inline(always)]
     pub(super) fn step(&mut self, pair: &Operands, lower: f64) -> bool {
         if dot(&self.between, &self.between) == 0.0 {

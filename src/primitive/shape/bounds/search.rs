@@ -210,8 +210,8 @@ impl<'p> DistanceSearch<'p> {
         self.is_done()
     }
 
-    /// Bounds the distance by the points and along the normal. If that does not raise the lower bound, but the direction
-    /// between the points does, it becomes the normal.
+    /// Bounds the distance by the points and along the normal. If that does not raise the lower bound, but the
+    /// direction between the points does, it becomes the normal.
     #[inline(always)]
     fn is_solved_by(&mut self, newton: &mut Newton, is_first: bool) -> bool {
         let square = self.upper_by(&newton.between, &newton.of_a);
