@@ -7,14 +7,13 @@
 
 use super::certified::Certified;
 use super::goal::{COMFORTABLE, Target};
-use super::newton::without;
 use super::support::each;
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::primitive::shape::place::Placement;
 use crate::range::Point;
-use crate::vector::{cross, difference, dot, sqrt};
+use crate::vector::{difference, dot, sqrt};
 
 mod blocks;
 mod products;
@@ -22,8 +21,8 @@ mod products;
 mod tests;
 mod widest;
 
-use blocks::{SLACK as BLOCK_SLACK, blocks};
-use products::{Zonotope, clamped, inverse};
+use blocks::blocks;
+use products::Zonotope;
 
 /// Bounds of the distance between two shapes as [`super::search::bounds`] gives them, or `None` if they would not be
 /// as tight.
@@ -43,7 +42,12 @@ pub(super) fn bounds<P: Placement>(
         (Core::Segment([p, q]), Core::Point(other)) => {
             point_and_segment(other, &[at.point(p), at.point(q)], &turned()).map(swapped)
         }
-        (Core::Segment([p, q]), Core::Segment(t)) => segments(&[at.point(p), at.point(q)], t, &goal()),
+        (Core::Segment([p, q]), Core::Segment(t)) => {
+            let s = [at.point(p), at.point(q)];
+            let (g, h) = (half_of(&s), half_of(t));
+            let (a, b) = (Zonotope { origin: &s[0], half: &g }, Zonotope { origin: &t[0], half: &h });
+            blocks(&a, &b, &goal())
+        }
         (Core::Point(p), Core::Cuboid { centre, half }) => {
             point_and_cuboid(&at.point(p), centre, half, &goal())
         }
@@ -116,64 +120,6 @@ fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Target) -> Option<Ce
     // `sqrt(2 (x^2 + y^2))` is at least `x + y`.
     let slack = 12.0 * f64::EPSILON * sqrt(2.0 * (far + square));
     goal.bounds_of_length(p, &between, length, slack)
-}
-
-/// Two segments: the closest points of their lines, clamped one after the other (Ericson 2005, "Real-Time Collision
-/// Detection", 5.1.9). Lower bounds as by [`blocks`], whose error analysis holds.
-#[inline(always)]
-fn segments(s: &[Point; 2], t: &[Point; 2], goal: &Target) -> Option<Certified> {
-    let ([g], [h]) = (half_of(s), half_of(t));
-    let origins = difference(&s[0], &t[0]);
-    let w: Point = each(|k| (origins[k] + g[k]) - h[k]);
-    let (gg, gh, hh) = (dot(&g, &g), dot(&g, &h), dot(&h, &h));
-    let (gw, hw) = (dot(&g, &w), dot(&h, &w));
-    let total = dot(&w, &w) + (gg + hh);
-    if !COMFORTABLE.contains(&total) {
-        return None;
-    }
-    let slack = BLOCK_SLACK * sqrt(3.0 * total);
-    let (of_g, of_h) = (inverse(gg), inverse(hh));
-    let all = gg * hh - gh * gh;
-    // Any point of parallel lines does.
-    let x = if all > 1e-12 * (gg * hh) { (gh * hw - hh * gw) / all } else { -gw * of_g };
-    let x = clamped(x, 1.0);
-    let free_y = (hw + gh * x) * of_h;
-    let y = clamped(free_y, 1.0);
-    let x = if y == free_y { x } else { clamped((gh * y - gw) * of_g, 1.0) };
-    let (of_a, of_b): (Point, Point) = (each(|k| g[k] + x * g[k]), each(|k| h[k] + y * h[k]));
-    let between: Point = each(|k| origins[k] + (of_a[k] - of_b[k]));
-    let at: Point = each(|k| s[0][k] + of_a[k]);
-    let square = dot(&between, &between);
-    let length = sqrt(square);
-    let upper = length + slack;
-    if upper <= goal.less {
-        return Some(goal.bounds(0.0, upper, &at, &between, length));
-    }
-    if square <= f64::MIN_POSITIVE {
-        return None;
-    }
-    let gap = |d: &Point, length: f64| (dot(d, &w) - (dot(d, &g).abs() + dot(d, &h).abs())) / length - slack;
-    let lower = gap(&between, length);
-    if goal.is_met(lower, upper, slack) {
-        return Some(goal.bounds(lower, upper, &at, &between, length));
-    }
-    // The difference of points that nearly touch does not tell which edges limit them.
-    let d = match (x.abs() < 1.0, y.abs() < 1.0) {
-        (true, true) => {
-            let normal = cross(&g, &h);
-            let sign = 1.0_f64.copysign(dot(&normal, &between));
-            each(|k| sign * normal[k])
-        }
-        (true, false) => without(&between, &g),
-        (false, true) => without(&between, &h),
-        (false, false) => return None,
-    };
-    let square = dot(&d, &d);
-    if square <= f64::MIN_POSITIVE {
-        return None;
-    }
-    let lower = gap(&d, sqrt(square));
-    goal.is_met(lower, upper, slack).then(|| goal.bounds(lower, upper, &at, &between, length))
 }
 
 /// A point and a triangle: the foot of the perpendicular, or the closest of three points of the edges.

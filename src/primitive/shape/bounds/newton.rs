@@ -377,7 +377,8 @@ pub(super) fn without(v: &Point, way: &Point) -> Point {
     each(|k| v[k] - rest * way[k])
 }
 
-/// The vector of unit length in the direction of another, or zero.
+/// The vector of unit length in the direction of another whose squares are in range, or zero. Takes less time than
+/// [`crate::vector::unit`], in every step.
 #[inline(always)]
 pub(super) fn unit(v: &Point) -> Point {
     let length = sqrt(dot(v, v));

@@ -327,7 +327,7 @@ impl CorePoint {
         let ([y, z], [u, v]) = (self.disc, by.disc);
         let (square, product) = (u * u + v * v, y * u + z * v);
         let rest = 1.0 - (y * y + z * z);
-        if square + 2.0 * product > rest {
+        if square > 0.0 && square + 2.0 * product > rest {
             // The greater root of `square t^2 + 2 product t = rest`.
             share = ((sqrt(product * product + square * rest.max(0.0)) - product) / square).min(share);
         }

@@ -186,7 +186,7 @@ impl<'p> DistanceSearch<'p> {
     }
 
     /// Proposes closest points by Newton's method from these places. Returns whether the bounds suffice. If the shapes
-    /// are given, they are tested first.
+    /// are given, touching ones along the axes are decided before a common point is sought.
     #[inline(always)]
     fn newton(&mut self, places: Places, shapes: Option<[&Shape; 2]>) -> bool {
         let mut newton = Newton::new(self.pair, places);
@@ -211,7 +211,8 @@ impl<'p> DistanceSearch<'p> {
     }
 
     /// Bounds the distance by the points and along the normal. If that does not raise the lower bound, but the
-    /// direction between the points does, it becomes the normal.
+    /// direction between the points does, it becomes the normal. The first bound is along a vector perpendicular to the
+    /// ways, as are those near the solution: it tells more often whether the cores meet.
     #[inline(always)]
     fn is_solved_by(&mut self, newton: &mut Newton, is_first: bool) -> bool {
         let square = self.upper_by(&newton.between, &newton.of_a);

@@ -23,15 +23,13 @@ const WHOLE: [f64; 2] = [1.0; 2];
 /// How much a block is shrunk to find a common point.
 const SHRINK: f64 = power_of_two(-7);
 
-/// The slack of [`blocks`], relative to S.
-pub(super) const SLACK: f64 = 32.0 * 0.5 * f64::EPSILON;
-
 /// Bounds of the distance between two blocks, from the coordinates x and y of their points.
 ///
 /// Each round projects A's point to B and B's to A, up to rounding and the angles of the edges. Where both have a free
 /// coordinate, a Newton step then minimises over the free coordinates of B, while A's point follows. Two cuboids start
 /// from the features along the axis with the widest gap. If this gap is their distance, these features are the
-/// closest. It is, unless the closest features are two corners, or a corner and an edge.
+/// closest. It is, unless the closest features are two corners, or a corner and an edge. Two segments start from their
+/// closest points.
 ///
 /// **Error.** The half edge of a segment is wrong by u of itself, its centre by as much, and `between` by three more
 /// roundings of parts of S: 5u S. A point adds at most 5 roundings of each product: 9u S, since the half edges together
@@ -46,6 +44,7 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     b: &Zonotope<'_, M>,
     goal: &Target,
 ) -> Option<Certified> {
+    const SLACK: f64 = 32.0 * 0.5 * f64::EPSILON;
     let products = EdgeProducts::new(a, b);
     let total = products.total();
     if !COMFORTABLE.contains(&total) {
@@ -57,9 +56,13 @@ pub(super) fn blocks<const N: usize, const M: usize>(
     // Points away from the boundary can prove that the cores meet.
     let mut most = if let Some(WidestAxis::None) = axis { products.shrunk(SHRINK) } else { WHOLE };
     let (mut is_apart, mut last) = (false, f64::INFINITY);
-    let mut places = axis.map_or_else(|| products.near_centre(), |axis| products.on_axis(a, b, &axis));
+    let (mut places, is_guess) = match axis {
+        Some(axis) => (products.on_axis(a, b, &axis), false),
+        None if N == 1 && M == 1 => (products.on_lines(), false),
+        None => (products.near_centre(), true),
+    };
     for round in 0..ROUNDS {
-        if axis.is_none() || round > 0 {
+        if is_guess || round > 0 {
             products.project(&mut places, most);
             if N > 0 && round == 0 {
                 products.project(&mut places, most);

@@ -138,6 +138,24 @@ impl<const N: usize, const M: usize> EdgeProducts<N, M> {
         BlockPlaces { x: free_x.map(|x| clamped(x, 1.0)), y: [0.0; M], free_x }
     }
 
+    /// The closest points of two segments: those of their lines, clamped one after the other (Ericson 2005, "Real-Time
+    /// Collision Detection", 5.1.9).
+    #[inline(always)]
+    pub(super) fn on_lines(&self) -> BlockPlaces<N, M> {
+        let (gg, gh, hh) = (self.squares_a[0], self.mixed[0][0], self.squares_b[0]);
+        let all = gg * hh - gh * gh;
+        // Any point of parallel lines does.
+        let on_line = if all > 1e-12 * (gg * hh) {
+            (gh * self.along_b[0] - hh * self.along_a[0]) / all
+        } else {
+            -self.along_a[0] * self.inverse_a[0]
+        };
+        let on_b = self.along_of_b(0, &[clamped(on_line, 1.0); N]) * self.inverse_b[0];
+        let y = [clamped(on_b, 1.0); M];
+        let free_x = if y[0] == on_b { [on_line; N] } else { self.to_a(&y) };
+        BlockPlaces { x: free_x.map(|x| clamped(x, 1.0)), y, free_x }
+    }
+
     /// Projects A's point to B, and the result to A.
     #[inline(always)]
     pub(super) fn project(&self, places: &mut BlockPlaces<N, M>, [most_a, most_b]: [f64; 2]) {
