@@ -16,11 +16,10 @@ use alloc::vec::Vec;
 
 impl Screen {
     pub(in crate::planning) fn doubts(&self, variables: usize) -> Doubts {
-        let fields: usize = self.fields.iter().map(|field| field.asked.len()).sum();
         Doubts {
             frames: vec![LaneFrame::NOWHERE; self.chain.links()],
             wholes: vec![[[0.0; LANES]; 3]; self.bodies.len()],
-            doubts: Vec::with_capacity(fields + self.pairs.len() + self.tabled.len()),
+            doubts: Vec::with_capacity(self.asked.len()),
             values: vec![[0.0; LANES]; variables],
             motion: self.motion_spans(variables),
         }
@@ -31,10 +30,7 @@ impl Screen {
         if self.is_blocked {
             return LaneVerdicts { free: 0, hit: lanes };
         }
-        let open = on_isa!(isa, token => token.run(
-            #[inline(always)]
-            || self.decide_lanes(lanes, doubts),
-        ));
+        let open = self.decide_lanes(isa, lanes, false, doubts);
         let asked = doubts.doubts.iter().fold(0, |mask, (_, lanes)| mask | lanes);
         LaneVerdicts { free: open & !asked, hit: lanes & !open }
     }
@@ -69,22 +65,32 @@ impl Screen {
         }
     }
 
-    /// The lanes without a certain hit.
-    #[inline(always)]
-    fn decide_lanes(&self, lanes: u16, doubts: &mut Doubts) -> u16 {
-        self.chain.go_to(&doubts.values, &mut doubts.frames);
-        doubts.doubts.clear();
-        for i in 0..self.bodies.len() {
-            self.place_whole(i, doubts);
-        }
-        let mut open = lanes;
-        self.decide_tables(&mut open, doubts);
-        self.decide_fields(&mut open, doubts);
-        self.decide_pairs(&mut open, doubts);
-        for (_, lanes) in &mut doubts.doubts {
-            *lanes &= open;
-        }
-        open
+    /// Tests all pairs. Returns the lanes without a certain hit. If `ends_at_hit`, the first lanes with a hit end it.
+    pub(super) fn decide_lanes(&self, isa: Isa, lanes: u16, ends_at_hit: bool, doubts: &mut Doubts) -> u16 {
+        on_isa!(isa, token => token.run(
+            #[inline(always)]
+            || {
+                self.chain.go_to(&doubts.values, &mut doubts.frames);
+                for body in 0..self.bodies.len() {
+                    self.place_whole(body, doubts);
+                }
+                let mut open = lanes;
+                doubts.doubts.clear();
+                for doubt in &self.asked {
+                    let unsure = self.decide_doubt::<false>(doubt, open, &mut open, doubts);
+                    if unsure != 0 {
+                        doubts.doubts.push((*doubt, unsure));
+                    }
+                    if ends_at_hit && open != lanes {
+                        break;
+                    }
+                }
+                for (_, lanes) in &mut doubts.doubts {
+                    *lanes &= open;
+                }
+                open
+            },
+        ))
     }
 
     /// Places the sphere around a body.
@@ -94,60 +100,36 @@ impl Screen {
         doubts.wholes[body] = doubts.frames[*link].apply(&whole.centre);
     }
 
+    /// Removes lanes from `open` in which a pair meets. Returns those of `lanes` that stay uncertain. With spans, free
+    /// means free within the whole span of the lane.
     #[inline(always)]
-    fn decide_tables(&self, open: &mut u16, doubts: &mut Doubts) {
-        for pair in 0..self.tabled.len() {
-            let unsure = self.decide_tabled::<false>(pair, *open, open, doubts);
-            if unsure != 0 {
-                doubts.doubts.push((Doubt::Table { pair }, unsure));
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn decide_fields(&self, open: &mut u16, doubts: &mut Doubts) {
-        for (f, field) in self.fields.iter().enumerate() {
-            for asked in 0..field.asked.len() {
-                let unsure = self.decide_asked::<false>((f, asked), *open, open, doubts);
-                if unsure != 0 {
-                    doubts.doubts.push((Doubt::Field { field: f, asked }, unsure));
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn decide_pairs(&self, open: &mut u16, doubts: &mut Doubts) {
-        for pair in 0..self.pairs.len() {
-            let unsure = self.decide_pair::<false>(&self.pairs[pair], *open, open, doubts);
-            if unsure != 0 {
-                doubts.doubts.push((Doubt::Pair { pair }, unsure));
-            }
-        }
-    }
-
-    /// Removes lanes from `open` in which a pair with a table meets. Returns those of `lanes` that stay uncertain. With
-    /// spans, free means free within the whole span of the lane.
-    #[inline(always)]
-    pub(super) fn decide_tabled<const SPAN: bool>(
+    pub(super) fn decide_doubt<const SPAN: bool>(
         &self,
-        tabled: usize,
+        doubt: &Doubt,
         lanes: u16,
         open: &mut u16,
         doubts: &Doubts,
     ) -> u16 {
-        let TabledPair { table, pair } = &self.tabled[tabled];
-        let Some(of) = self.bounds.tables.get(*table) else { return lanes };
-        let along = if SPAN { doubts.motion.along[tabled] } else { 0.0 };
-        let [free, meet] = look_up_table::<SPAN>(of, along, doubts);
-        *open &= !(meet & lanes);
-        let unsure = lanes & *open & !free;
+        let (pair, unsure) = match *doubt {
+            Doubt::Field { field, asked } => {
+                return self.decide_asked::<SPAN>((field, asked), lanes, open, doubts);
+            }
+            Doubt::Pair { pair } => (&self.pairs[pair], lanes & *open),
+            Doubt::Table { pair: tabled } => {
+                let TabledPair { table, pair } = &self.tabled[tabled];
+                let Some(of) = self.bounds.tables.get(*table) else { return lanes };
+                let along = if SPAN { doubts.motion.along[tabled] } else { 0.0 };
+                let [free, meet] = look_up_table::<SPAN>(of, along, doubts);
+                *open &= !(meet & lanes);
+                (pair, lanes & *open & !free)
+            }
+        };
         if unsure == 0 { 0 } else { self.decide_pair::<SPAN>(pair, unsure, open, doubts) }
     }
 
-    /// As [`Screen::decide_tabled`], for a body against a field.
+    /// [`Screen::decide_doubt`] for a body against a field.
     #[inline(always)]
-    pub(super) fn decide_asked<const SPAN: bool>(
+    fn decide_asked<const SPAN: bool>(
         &self,
         (f, a): (usize, usize),
         lanes: u16,
@@ -184,9 +166,9 @@ impl Screen {
         unsure
     }
 
-    /// As [`Screen::decide_tabled`], for two bodies of the robot without a table.
+    /// [`Screen::decide_doubt`] for two bodies of the robot, without their table.
     #[inline(always)]
-    pub(super) fn decide_pair<const SPAN: bool>(
+    fn decide_pair<const SPAN: bool>(
         &self,
         pair: &BodyPair,
         lanes: u16,
@@ -200,7 +182,7 @@ impl Screen {
             *radius += of_a;
         }
         let far = are_apart((&doubts.wholes[a], &radius), (&doubts.wholes[b], &self.bodies[b].whole_radius));
-        let mut unsure = lanes & *open & !mask(&far);
+        let mut unsure = lanes & !mask(&far);
         for SeenBody { bodies, coarse, fine, room } in &pair.seen {
             let [p, q] = bodies.map(|body| &self.bodies[body]);
             let Some((grid, _)) = &self.bounds.grids[bodies[0]] else { continue };

@@ -43,7 +43,7 @@ impl Screen {
             spans: [0.0; LANES],
             moved: vec![[0.0; LANES]; self.levers.len()],
             is_placed: vec![false; self.bodies.len()],
-            doubts: Vec::with_capacity(self.all_doubts().count()),
+            doubts: Vec::with_capacity(self.asked.len()),
             at_times: Vec::with_capacity(MOST),
             waiting: [(); 2].map(|()| Vec::with_capacity(MOST)),
             open: Vec::with_capacity(MOST),
@@ -75,10 +75,7 @@ impl Screen {
         if self.first_spans(motion) < LONG {
             return MotionByBounds::Open;
         }
-        on_isa!(isa, token => token.run(
-            #[inline(always)]
-            || self.decide_times(doubts),
-        ))
+        self.decide_times(isa, doubts)
     }
 
     /// The steps after [`Screen::start_motion`]. If a motion is still open after these, [`Screen::open_spans`] are its
@@ -87,22 +84,47 @@ impl Screen {
         [Self::first_intervals, Self::halve_spans];
 
     fn first_intervals(&self, isa: Isa, doubts: &mut Doubts) -> MotionByBounds {
-        let motion = &mut doubts.motion;
-        motion.at_times.clear();
-        for list in [&mut motion.open].into_iter().chain(&mut motion.waiting) {
+        let count = self.first_spans(&doubts.motion);
+        let lanes = go_to_spans(count..2 * count, doubts);
+        let MotionSpans { doubts: list, at_times, waiting, open, .. } = &mut doubts.motion;
+        at_times.clear();
+        for list in [open].into_iter().chain(waiting) {
             list.clear();
         }
-        on_isa!(isa, token => token.run(
-            #[inline(always)]
-            || self.decide_first(doubts),
-        ))
+        list.clear();
+        list.extend(self.asked.iter().map(|doubt| SpanDoubt { doubt: *doubt, lanes, now: 0 }));
+        if let Some(lane) = self.decide_spans(isa, lanes, Left { to: 0, at_times: true }, doubts) {
+            return hit(doubts.motion.intervals[lane]);
+        }
+        let MotionSpans { waiting: [waiting, _], open, .. } = &doubts.motion;
+        if waiting.is_empty() && open.is_empty() { MotionByBounds::Free } else { MotionByBounds::Open }
     }
 
     fn halve_spans(&self, isa: Isa, doubts: &mut Doubts) -> MotionByBounds {
-        on_isa!(isa, token => token.run(
-            #[inline(always)]
-            || self.decide_halves(doubts),
-        ))
+        for halving in 0..HALVINGS {
+            let [now, next] = [halving % 2, 1 - halving % 2];
+            let mut first = 0;
+            while first < doubts.motion.waiting[now].len() {
+                let lanes = halve(now, &mut first, doubts);
+                if let Some(lane) = self.decide_spans(isa, lanes, Left { to: next, at_times: false }, doubts)
+                {
+                    return hit(doubts.motion.intervals[lane]);
+                }
+            }
+            doubts.motion.waiting[now].clear();
+        }
+        let MotionSpans { open, waiting, .. } = &mut doubts.motion;
+        for waiting in waiting {
+            if open.len() + waiting.len() > MOST {
+                return MotionByBounds::Unknown;
+            }
+            open.append(waiting);
+        }
+        match open.len() {
+            0 => MotionByBounds::Free,
+            MOST => MotionByBounds::Unknown,
+            _ => MotionByBounds::Open,
+        }
     }
 
     /// Pairs of bodies that may meet at a time, grouped by time.
@@ -130,111 +152,43 @@ impl Screen {
     }
 
     /// Tests all pairs at a few times.
-    #[inline(always)]
-    fn decide_times(&self, doubts: &mut Doubts) -> MotionByBounds {
-        let Doubts { values, motion, frames, .. } = doubts;
+    fn decide_times(&self, isa: Isa, doubts: &mut Doubts) -> MotionByBounds {
+        let Doubts { values, motion, .. } = doubts;
         for (lane, time) in TIMES.iter().enumerate() {
-            let [from, to] = &motion.ends;
-            for (values, (from, to)) in values.iter_mut().zip(from.iter().zip(to)) {
-                values[lane] = from + time * (to - from);
-            }
-        }
-        self.chain.go_to(values, frames);
-        for body in 0..self.bodies.len() {
-            self.place_whole(body, doubts);
+            motion.go_to(*time, lane, values);
         }
         let lanes = (1 << TIMES.len()) - 1;
-        doubts.motion.doubts.clear();
-        for doubt in self.all_doubts() {
-            let mut open = lanes;
-            let now = self.decide_doubt::<false>(&doubt, lanes, &mut open, doubts);
-            if open != lanes {
-                return MotionByBounds::Hit(TIMES[(lanes & !open).trailing_zeros() as usize]);
-            }
-            if now != 0 {
-                doubts.motion.doubts.push(SpanDoubt { doubt, lanes: 0, now });
-            }
+        let open = self.decide_lanes(isa, lanes, true, doubts);
+        if open != lanes {
+            return MotionByBounds::Hit(TIMES[(lanes & !open).trailing_zeros() as usize]);
         }
-        let MotionSpans { doubts: list, at_times, .. } = &mut doubts.motion;
+        let Doubts { doubts: list, motion: MotionSpans { at_times, .. }, .. } = doubts;
         for (lane, time) in TIMES.iter().enumerate() {
-            let of_lane = list.iter().filter(|doubt| doubt.now >> lane & 1 != 0);
-            at_times.extend(of_lane.map(|doubt| (doubt.doubt, *time)).take(MOST - at_times.len()));
+            let of_lane = list.iter().filter(|(_, lanes)| lanes >> lane & 1 != 0);
+            at_times.extend(of_lane.map(|(doubt, _)| (*doubt, *time)).take(MOST - at_times.len()));
         }
         MotionByBounds::Open
     }
 
-    /// All pairs that are tested.
-    fn all_doubts(&self) -> impl Iterator<Item = Doubt> {
-        let tables = (0..self.tabled.len()).map(|pair| Doubt::Table { pair });
-        let fields = self.fields.iter().enumerate();
-        let asked = fields
-            .flat_map(|(field, of)| (0..of.asked.len()).map(move |asked| Doubt::Field { field, asked }));
-        let pairs = (0..self.pairs.len()).map(|pair| Doubt::Pair { pair });
-        tables.chain(asked).chain(pairs)
-    }
-
-    #[inline(always)]
-    fn decide_first(&self, doubts: &mut Doubts) -> MotionByBounds {
-        let count = self.first_spans(&doubts.motion);
-        let lanes = self.go_to_spans(count..2 * count, doubts);
-        if let Some(lane) = self.decide_all(lanes, doubts) {
-            return hit(doubts.motion.intervals[lane]);
-        }
-        self.keep(lanes, doubts, 0, true);
-        let MotionSpans { waiting: [waiting, _], open, .. } = &doubts.motion;
-        if waiting.is_empty() && open.is_empty() { MotionByBounds::Free } else { MotionByBounds::Open }
-    }
-
-    #[inline(always)]
-    fn decide_halves(&self, doubts: &mut Doubts) -> MotionByBounds {
-        for halving in 0..HALVINGS {
-            let [now, next] = [halving % 2, 1 - halving % 2];
-            let mut first = 0;
-            while first < doubts.motion.waiting[now].len() {
-                let lanes = self.halve(now, &mut first, doubts);
-                if let Some(lane) = self.decide_doubts(lanes, doubts) {
-                    return hit(doubts.motion.intervals[lane]);
+    /// Tests the pairs in doubt in the spans of the lanes. Returns a lane with a hit, if any; otherwise queues the
+    /// remaining doubts.
+    fn decide_spans(&self, isa: Isa, lanes: u16, left: Left, doubts: &mut Doubts) -> Option<usize> {
+        on_isa!(isa, token => token.run(
+            #[inline(always)]
+            || {
+                self.chain.go_to(&doubts.values, &mut doubts.frames);
+                doubts.motion.is_placed.fill(false);
+                let hit = self.decide_doubts(lanes, doubts);
+                if hit.is_none() {
+                    self.keep(lanes, left, doubts);
                 }
-                self.keep(lanes, doubts, next, false);
-            }
-            doubts.motion.waiting[now].clear();
-        }
-        let MotionSpans { open, waiting, .. } = &mut doubts.motion;
-        for waiting in waiting {
-            if open.len() + waiting.len() > MOST {
-                return MotionByBounds::Unknown;
-            }
-            open.append(waiting);
-        }
-        match open.len() {
-            0 => MotionByBounds::Free,
-            MOST => MotionByBounds::Unknown,
-            _ => MotionByBounds::Open,
-        }
-    }
-
-    /// Sets the lanes to the middles of intervals. Returns their mask.
-    #[inline(always)]
-    fn go_to_spans(&self, intervals: impl Iterator<Item = u32>, doubts: &mut Doubts) -> u16 {
-        let Doubts { values, motion, frames, .. } = doubts;
-        let mut lanes = 0;
-        for (lane, interval) in intervals.enumerate() {
-            let (middle, span) = Interval(interval).middle();
-            motion.intervals[lane] = interval;
-            motion.spans[lane] = span as f32;
-            let [from, to] = &motion.ends;
-            for (values, (from, to)) in values.iter_mut().zip(from.iter().zip(to)) {
-                values[lane] = from + middle * (to - from);
-            }
-            lanes |= 1 << lane;
-        }
-        self.chain.go_to(values, frames);
-        motion.is_placed.fill(false);
-        lanes
+                hit
+            },
+        ))
     }
 
     #[inline(always)]
-    fn place(&self, body: usize, doubts: &mut Doubts) {
+    pub(super) fn place(&self, body: usize, doubts: &mut Doubts) {
         if !core::mem::replace(&mut doubts.motion.is_placed[body], true) {
             self.place_whole(body, doubts);
             let Doubts { frames, wholes, motion, .. } = doubts;
@@ -243,24 +197,7 @@ impl Screen {
         }
     }
 
-    /// Tests all pairs. Returns a lane with a hit, if any; otherwise sets the doubts.
-    #[inline(always)]
-    fn decide_all(&self, lanes: u16, doubts: &mut Doubts) -> Option<usize> {
-        for body in 0..self.bodies.len() {
-            self.place(body, doubts);
-        }
-        doubts.motion.doubts.clear();
-        for doubt in self.all_doubts() {
-            match self.decide_span(&doubt, (lanes, lanes), doubts) {
-                Ok(SpanDoubt { lanes: 0, .. }) => {}
-                Ok(left) => doubts.motion.doubts.push(left),
-                Err(lane) => return Some(lane),
-            }
-        }
-        None
-    }
-
-    /// As [`Screen::decide_all`], but only for the pairs in doubt.
+    /// Updates the doubts, or returns a lane with a hit.
     #[inline(always)]
     fn decide_doubts(&self, lanes: u16, doubts: &mut Doubts) -> Option<usize> {
         for i in 0..doubts.motion.doubts.len() {
@@ -297,47 +234,32 @@ impl Screen {
         }
     }
 
-    /// The lanes in which a pair stays in doubt. Removes the lanes in which it meets from `open`.
-    #[inline(always)]
-    fn decide_doubt<const SPAN: bool>(
-        &self,
-        doubt: &Doubt,
-        lanes: u16,
-        open: &mut u16,
-        doubts: &Doubts,
-    ) -> u16 {
-        match *doubt {
-            Doubt::Table { pair } => self.decide_tabled::<SPAN>(pair, lanes, open, doubts),
-            Doubt::Field { field, asked } => self.decide_asked::<SPAN>((field, asked), lanes, open, doubts),
-            Doubt::Pair { pair } => self.decide_pair::<SPAN>(&self.pairs[pair], lanes, open, doubts),
-        }
-    }
-
     /// Queues the remaining doubts for halving, or for the scene. Keeps at most [`MOST`] of each; if there are more,
     /// the motion is unknown.
     #[inline(always)]
-    fn keep(&self, lanes: u16, doubts: &mut Doubts, next: usize, is_first: bool) {
+    fn keep(&self, lanes: u16, left: Left, doubts: &mut Doubts) {
         let least = LAST.map(|cells| cells * self.cell as f32);
+        doubts.motion.doubts.retain(|doubt| doubt.lanes != 0);
         // Halves the longest gaps first.
         for lane in (0..LANES).map(|i| i.reverse_bits() >> (usize::BITS - LANES.ilog2())) {
             if lanes >> lane & 1 == 0 {
                 continue;
             }
             for i in 0..doubts.motion.doubts.len() {
-                let SpanDoubt { doubt, lanes: left, now } = doubts.motion.doubts[i];
-                if left >> lane & 1 == 0 {
+                let SpanDoubt { doubt, lanes: unsure, now } = doubts.motion.doubts[i];
+                if unsure >> lane & 1 == 0 {
                     continue;
                 }
                 let may_meet = now >> lane & 1 != 0;
                 let approach = self.approach_of(&doubt, lane, doubts);
                 let MotionSpans { at_times, waiting, open, intervals, .. } = &mut doubts.motion;
-                let is_halved = approach > least[usize::from(may_meet)] && waiting[next].len() < MOST;
-                let to = if is_halved { &mut waiting[next] } else { open };
+                let is_halved = approach > least[usize::from(may_meet)] && waiting[left.to].len() < MOST;
+                let to = if is_halved { &mut waiting[left.to] } else { open };
                 // At this number the motion is unknown anyway.
                 if to.len() < MOST {
                     to.push((doubt, intervals[lane]));
                 }
-                if is_first && may_meet && at_times.len() < MOST {
+                if left.at_times && may_meet && at_times.len() < MOST {
                     at_times.push((doubt, Interval(intervals[lane]).middle().0));
                 }
             }
@@ -355,31 +277,63 @@ impl Screen {
         };
         more[lane]
     }
+}
 
-    /// Halves up to eight of the pending intervals, from `first` on, and sets the lanes and doubts to the halves.
-    #[inline(always)]
-    fn halve(&self, now: usize, first: &mut usize, doubts: &mut Doubts) -> u16 {
-        let (mut intervals, mut count) = ([0; LANES / 2], 0);
-        let MotionSpans { doubts: list, waiting, .. } = &mut doubts.motion;
-        list.clear();
-        while let Some(&(doubt, interval)) = waiting[now].get(*first) {
-            if count == 0 || intervals[count - 1] != interval {
-                if count == intervals.len() {
-                    break;
-                }
-                intervals[count] = interval;
-                count += 1;
-            }
-            let both = 3 << (2 * (count - 1));
-            match list.iter_mut().find(|other| other.doubt == doubt) {
-                Some(other) => other.lanes |= both,
-                None => list.push(SpanDoubt { doubt, lanes: both, now: 0 }),
-            }
-            *first += 1;
+/// Where doubts that remain are queued.
+#[derive(Copy, Clone)]
+struct Left {
+    /// The list of pending intervals.
+    to: usize,
+    /// Whether the scene tests pairs that may meet at the middles.
+    at_times: bool,
+}
+
+impl MotionSpans {
+    /// Sets a lane to a time of the motion.
+    fn go_to(&self, time: f64, lane: usize, values: &mut [[f64; LANES]]) {
+        let [from, to] = &self.ends;
+        for (values, (from, to)) in values.iter_mut().zip(from.iter().zip(to)) {
+            values[lane] = from + time * (to - from);
         }
-        let halves = intervals.into_iter().take(count).flat_map(|interval| [2 * interval, 2 * interval + 1]);
-        self.go_to_spans(halves, doubts)
     }
+}
+
+/// Sets the lanes to the middles of intervals. Returns their mask.
+fn go_to_spans(intervals: impl Iterator<Item = u32>, doubts: &mut Doubts) -> u16 {
+    let Doubts { values, motion, .. } = doubts;
+    let mut lanes = 0;
+    for (lane, interval) in intervals.enumerate() {
+        let (middle, span) = Interval(interval).middle();
+        motion.intervals[lane] = interval;
+        motion.spans[lane] = span as f32;
+        motion.go_to(middle, lane, values);
+        lanes |= 1 << lane;
+    }
+    lanes
+}
+
+/// Halves up to eight of the pending intervals, from `first` on, and sets the lanes and doubts to the halves.
+fn halve(now: usize, first: &mut usize, doubts: &mut Doubts) -> u16 {
+    let (mut intervals, mut count) = ([0; LANES / 2], 0);
+    let MotionSpans { doubts: list, waiting, .. } = &mut doubts.motion;
+    list.clear();
+    while let Some(&(doubt, interval)) = waiting[now].get(*first) {
+        if count == 0 || intervals[count - 1] != interval {
+            if count == intervals.len() {
+                break;
+            }
+            intervals[count] = interval;
+            count += 1;
+        }
+        let both = 3 << (2 * (count - 1));
+        match list.iter_mut().find(|other| other.doubt == doubt) {
+            Some(other) => other.lanes |= both,
+            None => list.push(SpanDoubt { doubt, lanes: both, now: 0 }),
+        }
+        *first += 1;
+    }
+    let halves = intervals.into_iter().take(count).flat_map(|interval| [2 * interval, 2 * interval + 1]);
+    go_to_spans(halves, doubts)
 }
 
 fn hit(interval: u32) -> MotionByBounds {

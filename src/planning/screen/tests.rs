@@ -468,6 +468,10 @@ fn bodies_move_no_farther_than_their_bound() {
             let _ = screen.start_motion(Isa::detect(), ends, &mut doubts);
             let [first_intervals, _] = Screen::STEPS;
             let _ = first_intervals(&screen, Isa::detect(), &mut doubts);
+            for body in 0..=JOINTS {
+                // No pair is tested, so it was not placed.
+                screen.place(body, &mut doubts);
+            }
             // The number of the first interval is the count of intervals.
             let lanes = doubts.motion.intervals[0] as usize;
             for _ in 0..20 {

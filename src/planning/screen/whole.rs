@@ -3,6 +3,7 @@
 use super::blocks::{LaneSphere, Radii16, radii};
 use super::bodies::{LaneBody, ScreenedScene, lane_bodies};
 use super::chain::LaneChain;
+use super::doubts::Doubt;
 use super::field::Field;
 use super::grid::{ClearanceGrid, GridSize};
 use super::lanes::LANES;
@@ -62,6 +63,8 @@ pub(crate) struct Screen {
     pub(super) pairs: Vec<BodyPair>,
     pub(super) bounds: Arc<RobotBounds>,
     pub(super) tabled: Vec<TabledPair>,
+    /// All pairs that are tested: those with tables, of fields, and without tables.
+    pub(super) asked: Vec<Doubt>,
     /// Whether bodies that do not move meet.
     pub(super) is_blocked: bool,
     pub(super) cell: f64,
@@ -85,6 +88,7 @@ impl Screen {
             pairs: Vec::new(),
             bounds: Arc::clone(bounds),
             tabled: Vec::new(),
+            asked: Vec::new(),
             is_blocked: false,
             cell,
         };
@@ -214,6 +218,12 @@ impl Screen {
             let field = Field::new(around, &self.bodies, (key, standing), grid, more)?;
             self.fields.push(field);
         }
+        let fields = self.fields.iter().enumerate();
+        let of_fields = fields
+            .flat_map(|(field, of)| (0..of.asked.len()).map(move |asked| Doubt::Field { field, asked }));
+        let tables = (0..self.tabled.len()).map(|pair| Doubt::Table { pair });
+        let pairs = (0..self.pairs.len()).map(|pair| Doubt::Pair { pair });
+        self.asked = tables.chain(of_fields).chain(pairs).collect();
         Ok(true)
     }
 

@@ -5,9 +5,11 @@
 //! relative to that of the centres. The unit is that of the larger body's frame.
 
 use super::axis::Axis;
+use super::steps;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::BvhRef;
+use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -140,6 +142,7 @@ impl<N: Lanes> Near<'_, N> {
     #[inline(always)]
     pub(super) fn turn<P: Primitive>(
         &mut self,
+        kernel: impl Kernel,
         tree: &BvhRef<'_, N, P>,
         a: Child,
         level: u8,
@@ -151,7 +154,7 @@ impl<N: Lanes> Near<'_, N> {
         {
             stats.realignments += 1;
             *kept = a;
-            tree.nodes()[node as usize].turn(&self.map, rows);
+            steps::turn(kernel, &tree.nodes()[node as usize], &self.map, rows);
         }
         rows
     }

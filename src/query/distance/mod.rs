@@ -6,6 +6,7 @@ mod bounds;
 mod frontier;
 mod leaf;
 mod search;
+mod steps;
 
 pub use answer::{Distance, Witness};
 pub use frontier::DISTANCE_STACK_BYTES;

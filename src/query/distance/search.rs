@@ -8,6 +8,7 @@
 use super::bounds::{Bounds, Kept, growths, no_turned};
 use super::frontier::{Frontier, Opened, VolumeA, VolumeB};
 use super::leaf::{LeafA, Threshold};
+use super::steps;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -49,7 +50,8 @@ pub(super) struct Outcome {
 }
 
 #[derive(Debug)]
-pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
+pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive, E: Kernel> {
+    kernel: E,
     pub(super) a: BvhRef<'t, N, P>,
     pub(super) b: BvhRef<'t, N, Q>,
     pub(super) pose: &'t Pose,
@@ -85,7 +87,7 @@ pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
         #[inline(always)]
         || {
             let mut kept = no_turned::<N>();
-            let mut search = Search::new(a, b, pose, query, goal, &mut kept);
+            let mut search = Search::new(kernel, a, b, pose, query, goal, &mut kept);
             search.try_first(query.hint.pair(a.len(), b.len()));
             let completion = search.run();
             let Search { best, hit, stats, .. } = search;
@@ -100,9 +102,10 @@ const WORTH_RAISING: usize = 16;
 /// decides earlier.
 const FIRST_VISITS: u64 = 12;
 
-impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
+impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, E> {
     #[inline(always)]
     fn new(
+        kernel: E,
         a: BvhRef<'t, N, P>,
         b: BvhRef<'t, N, Q>,
         pose: &'t Pose,
@@ -114,6 +117,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         let (Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance }) = goal;
         let bound = bounds.of_distance(distance);
         Self {
+            kernel,
             a,
             b,
             pose,
@@ -246,14 +250,10 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
     }
 
     /// Ends the search with volumes pending, whose least bound is `pending`; `a` and `b` are among them.
-    #[cold]
     fn give_up(&mut self, pending: f32, a: Child, b: Child) {
         self.best.lower = self.bounds.distance(pending).min(self.certain());
         if let Goal::Within { .. } = self.goal {
-            let moved = P::moved(&self.a.primitive(first_primitive(&self.a, a.link())), self.pose);
-            let still = self.b.primitive(first_primitive(&self.b, b.link()));
-            let pair = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0);
-            self.best.upper = pair.map_or(f64::INFINITY, |pair| pair.upper);
+            self.best.upper = distance_of_some((&self.a, &self.b), self.pose, (a, b));
         }
     }
 
@@ -286,10 +286,12 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         match &mut self.bounds {
             Bounds::Near(near) => {
                 let growth = near.growth;
-                let rows = near.turn(&self.a, a.child, a.level, &mut self.stats);
+                let rows = near.turn(self.kernel, &self.a, a.child, a.level, &mut self.stats);
                 node.gaps_of_rows(rows, holder, lane, growth)
             }
-            Bounds::Far(line) => node.gaps_along(&line.a, holder.reach_along(&line.b, lane)),
+            Bounds::Far(line) => {
+                steps::gaps_along(self.kernel, node, &line.a, holder.reach_along(&line.b, lane))
+            }
         }
     }
 
@@ -307,16 +309,16 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
             }
             (Bounds::Near(near), ..) => {
                 let growth = near.growth;
-                let rows = near.turn(&self.a, a.parent, a.level - 1, &mut self.stats);
+                let rows = near.turn(self.kernel, &self.a, a.parent, a.level - 1, &mut self.stats);
                 node.gaps_of_planes(&N::planes_in(rows, lane), growth)
             }
             (Bounds::Far(line), Link::Inner(_), Link::Inner(parent)) => {
                 let reach = self.a.nodes()[parent as usize].reach_along(&line.a, lane);
-                node.gaps_along(&line.b, reach)
+                steps::gaps_along(self.kernel, node, &line.b, reach)
             }
             (Bounds::Far(line), ..) => {
                 let reach = self.leaf.reach(&self.a, &self.b.frame(), self.pose, a.child, line);
-                node.gaps_along(&line.b, reach)
+                steps::gaps_along(self.kernel, node, &line.b, reach)
             }
         }
     }
@@ -383,6 +385,20 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
                 gaps
             }
         };
-        node.raise(&mut step.entries, &gaps);
+        steps::raise(self.kernel, node, &mut step.entries, &gaps);
     }
+}
+
+/// Upper bound of the distance of a primitive below volume `a` and one below `b`.
+#[cold]
+#[inline(never)]
+fn distance_of_some<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
+    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    pose: &Pose,
+    (a, b): (Child, Child),
+) -> f64 {
+    let moved = P::moved(&trees.0.primitive(first_primitive(trees.0, a.link())), pose);
+    let still = trees.1.primitive(first_primitive(trees.1, b.link()));
+    let pair = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0);
+    pair.map_or(f64::INFINITY, |pair| pair.upper)
 }
