@@ -399,8 +399,9 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
 
 #[test]
 fn clusters_are_as_good_as_in_floating_point_whatever_the_seed() {
-    as_good("torus", &shapes::torus(60, 40));
-    // An emulator need not repeat the others: the trees are the same, bit for bit.
+    // An emulator takes a small torus and no others: the trees are the same, bit for bit.
+    let [around, along] = if cfg!(target_arch = "aarch64") { [24, 16] } else { [60, 40] };
+    as_good("torus", &shapes::torus(around, along));
     if suite_step() == 1 {
         as_good("soup", &shapes::soup(&mut Rng::new(13), 3000, 0.05));
     }

@@ -88,12 +88,12 @@ impl Screen {
         let lanes = go_to_spans(count..2 * count, doubts);
         let MotionSpans { doubts: list, at_times, waiting, open, .. } = &mut doubts.motion;
         at_times.clear();
-        for list in [open].into_iter().chain(waiting) {
-            list.clear();
+        for queue in [open].into_iter().chain(waiting) {
+            queue.clear();
         }
         list.clear();
         list.extend(self.asked.iter().map(|doubt| SpanDoubt { doubt: *doubt, lanes, now: 0 }));
-        if let Some(lane) = self.decide_spans(isa, lanes, Left { to: 0, at_times: true }, doubts) {
+        if let Some(lane) = self.decide_spans(isa, lanes, Queues { waiting: 0, at_times: true }, doubts) {
             return hit(doubts.motion.intervals[lane]);
         }
         let MotionSpans { waiting: [waiting, _], open, .. } = &doubts.motion;
@@ -106,7 +106,8 @@ impl Screen {
             let mut first = 0;
             while first < doubts.motion.waiting[now].len() {
                 let lanes = halve(now, &mut first, doubts);
-                if let Some(lane) = self.decide_spans(isa, lanes, Left { to: next, at_times: false }, doubts)
+                if let Some(lane) =
+                    self.decide_spans(isa, lanes, Queues { waiting: next, at_times: false }, doubts)
                 {
                     return hit(doubts.motion.intervals[lane]);
                 }
@@ -172,7 +173,7 @@ impl Screen {
 
     /// Tests the pairs in doubt in the spans of the lanes. Returns a lane with a hit, if any; otherwise queues the
     /// remaining doubts.
-    fn decide_spans(&self, isa: Isa, lanes: u16, left: Left, doubts: &mut Doubts) -> Option<usize> {
+    fn decide_spans(&self, isa: Isa, lanes: u16, to: Queues, doubts: &mut Doubts) -> Option<usize> {
         on_isa!(isa, token => token.run(
             #[inline(always)]
             || {
@@ -180,7 +181,7 @@ impl Screen {
                 doubts.motion.is_placed.fill(false);
                 let hit = self.decide_doubts(lanes, doubts);
                 if hit.is_none() {
-                    self.keep(lanes, left, doubts);
+                    self.keep(lanes, to, doubts);
                 }
                 hit
             },
@@ -237,7 +238,7 @@ impl Screen {
     /// Queues the remaining doubts for halving, or for the scene. Keeps at most [`MOST`] of each; if there are more,
     /// the motion is unknown.
     #[inline(always)]
-    fn keep(&self, lanes: u16, left: Left, doubts: &mut Doubts) {
+    fn keep(&self, lanes: u16, to: Queues, doubts: &mut Doubts) {
         let least = LAST.map(|cells| cells * self.cell as f32);
         doubts.motion.doubts.retain(|doubt| doubt.lanes != 0);
         // Halves the longest gaps first.
@@ -253,13 +254,13 @@ impl Screen {
                 let may_meet = now >> lane & 1 != 0;
                 let approach = self.approach_of(&doubt, lane, doubts);
                 let MotionSpans { at_times, waiting, open, intervals, .. } = &mut doubts.motion;
-                let is_halved = approach > least[usize::from(may_meet)] && waiting[left.to].len() < MOST;
-                let to = if is_halved { &mut waiting[left.to] } else { open };
+                let is_halved = approach > least[usize::from(may_meet)] && waiting[to.waiting].len() < MOST;
+                let queue = if is_halved { &mut waiting[to.waiting] } else { open };
                 // At this number the motion is unknown anyway.
-                if to.len() < MOST {
-                    to.push((doubt, intervals[lane]));
+                if queue.len() < MOST {
+                    queue.push((doubt, intervals[lane]));
                 }
-                if left.at_times && may_meet && at_times.len() < MOST {
+                if to.at_times && may_meet && at_times.len() < MOST {
                     at_times.push((doubt, Interval(intervals[lane]).middle().0));
                 }
             }
@@ -281,9 +282,9 @@ impl Screen {
 
 /// Where doubts that remain are queued.
 #[derive(Copy, Clone)]
-struct Left {
-    /// The list of pending intervals.
-    to: usize,
+struct Queues {
+    /// The index of the queue of pending intervals.
+    waiting: usize,
     /// Whether the scene tests pairs that may meet at the middles.
     at_times: bool,
 }
