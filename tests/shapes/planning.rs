@@ -6,7 +6,7 @@
 mod robots;
 
 use crate::support::data::{self, MeshData, directory, suite_step};
-use crate::support::rng::{self, CASES_STEP};
+use crate::support::rng;
 use robots::{Obstacle, Problem, SETTINGS, Setting};
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
@@ -165,11 +165,15 @@ fn among_obstacles(setting: &Setting) {
     let trees: Vec<Tree> = robot.links.iter().map(|link| tree(&link.mesh)).collect();
     let links: Vec<Link> = robot.links.iter().map(|link| Link::new(&link.mesh)).collect();
     let mut counts = Counts::default();
-    let step = suite_step() * CASES_STEP;
-    for problem in setting.problems(&data, &robot, 20 * step) {
+    for problem in setting.problems(&data, &robot, 20 * suite_step()) {
         check(&problem, &links, &trees, &mut counts);
     }
-    assert!(counts.hits > 40 / step && counts.frees > 1000 / step, "{} {}", counts.hits, counts.frees);
+    assert!(
+        counts.hits > 40 / suite_step() && counts.frees > 1000 / suite_step(),
+        "{} {}",
+        counts.hits,
+        counts.frees
+    );
     // An error of a ten-thousandth of a millimetre hardly ever changes a verdict.
     assert!(counts.of_prisms < 3, "{}", counts.of_prisms);
 }
