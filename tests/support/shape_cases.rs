@@ -402,7 +402,8 @@ fn near_contact(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> {
     let mut last: Option<(f64, f64)> = None;
     for _ in 0..40 {
         let distance = estimate(&a, &place(s)?);
-        if distance <= 1e-14 * size {
+        // Until it no longer falls: then it is a rounding error, or the line does not hit.
+        if distance <= 1e-14 * size || last.is_some_and(|(_, before)| distance >= before) {
             break;
         }
         let slope = last.map_or(1.0, |(t, before)| ((before - distance) / (t - s)).clamp(1e-3, 1.0));

@@ -53,16 +53,15 @@ impl Rough {
         let mut found = vec![lowest(&bodies, &[1.0, 0.0, 0.0])];
         let (mut lower, mut upper, mut is_inside) = (0.0, f64::INFINITY, false);
         for _ in 0..60 {
-            let points: Vec<Point> = found.iter().map(|f| f.point).collect();
-            let Some((kept, nearest)) = nearest(&points) else {
+            let Some((kept, nearest)) = nearest(&found) else {
                 is_inside = true;
                 break;
             };
             let length = dot(&nearest, &nearest).sqrt();
             let progress = length < upper;
             upper = length.min(upper);
-            found =
-                found.into_iter().enumerate().filter(|(i, _)| kept & 1 << i != 0).map(|(_, f)| f).collect();
+            let mut corner = 0..;
+            found.retain(|_| corner.next().is_some_and(|i: usize| kept & 1 << i != 0));
             if length < 1e-14 || !progress {
                 break;
             }
@@ -127,10 +126,14 @@ impl Flat {
     fn farthest(&self, n: &Point) -> (Point, usize) {
         match self {
             Self::Hull(corners) => {
-                let heights: Vec<f64> = corners.iter().map(|p| dot(n, p)).collect();
-                let best =
-                    (1..heights.len()).fold(0, |best, i| if heights[i] > heights[best] { i } else { best });
-                (corners[best], best)
+                let mut best = (f64::NEG_INFINITY, 0);
+                for (i, corner) in corners.iter().enumerate() {
+                    let height = dot(n, corner);
+                    if height > best.0 {
+                        best = (height, i);
+                    }
+                }
+                (corners[best.1], best.1)
             }
             Self::Round { is_cone, middle, axis, unit, radius } => {
                 let across = without(n, unit);
@@ -169,38 +172,43 @@ fn lowest(bodies: &[Flat; 2], direction: &Point) -> Found {
 
 /// Which of at most four points span the point nearest to the origin, and that point; none if the origin is certainly
 /// inside.
-fn nearest(points: &[Point]) -> Option<(usize, Point)> {
+fn nearest(found: &[Found]) -> Option<(usize, Point)> {
     let mut best = (f64::INFINITY, 0, [0.0; 3]);
-    for subset in 1..1_usize << points.len() {
-        let kept: Vec<&Point> =
-            points.iter().enumerate().filter(|(i, _)| subset & 1 << i != 0).map(|(_, p)| p).collect();
-        let weights = match kept[..] {
-            [_] => vec![1.0],
-            [p, q] => {
+    // Five, if four were needed and the origin is near a face of their tetrahedron.
+    for subset in (1..1_usize << found.len()).filter(|subset| subset.count_ones() <= 4) {
+        let (mut points, mut count) = ([[0.0; 3]; 4], 0);
+        for (_, f) in found.iter().enumerate().filter(|(i, _)| subset & 1 << i != 0) {
+            points[count] = f.point;
+            count += 1;
+        }
+        let [p, q, r, s] = &points;
+        let weights = match count {
+            1 => [1.0, 0.0, 0.0, 0.0],
+            2 => {
                 let edge = sub(q, p);
-                vec![dot(&edge, q), -dot(&edge, p)]
+                [dot(&edge, q), -dot(&edge, p), 0.0, 0.0]
             }
-            [p, q, r] => {
+            3 => {
                 let normal = cross(&sub(q, p), &sub(r, p));
                 let part = |u: &Point, v: &Point| dot(&normal, &cross(u, v));
-                vec![part(q, r), part(r, p), part(p, q)]
+                [part(q, r), part(r, p), part(p, q), 0.0]
             }
             _ => {
-                let (p, q, r, s) = (kept[0], kept[1], kept[2], kept[3]);
                 let (pq, rs) = (cross(p, q), cross(r, s));
                 let volumes = [dot(q, &rs), -dot(p, &rs), dot(s, &pq), -dot(r, &pq)];
                 let same = |sign: f64| volumes.iter().all(|v| v * sign > LEAST_VOLUME);
                 if same(1.0) || same(-1.0) {
                     return None;
                 }
-                volumes.to_vec()
+                volumes
             }
         };
-        let sum: f64 = weights.iter().sum();
-        if !weights.iter().all(|w| w / sum >= 0.0) {
+        let sum: f64 = weights[..count].iter().sum();
+        let weights = weights.map(|w| w / sum);
+        if !weights[..count].iter().all(|w| *w >= 0.0) {
             continue;
         }
-        let point = core::array::from_fn(|k| kept.iter().zip(&weights).map(|(p, w)| p[k] * (w / sum)).sum());
+        let point = core::array::from_fn(|k| (0..count).map(|i| points[i][k] * weights[i]).sum());
         let square = dot(&point, &point);
         if square < best.0 {
             best = (square, subset, point);
