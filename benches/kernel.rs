@@ -13,7 +13,7 @@
 //! order of the traversal.
 //!
 //! Rows at k = 18 have both storages of planes. `realign` rotates nodes of the same trees, 32 at a time, four times
-//! each.
+//! each. Last come spheres, capsules and cuboids, one against sixteen.
 
 #[path = "../tests/support/data.rs"]
 mod data;
@@ -23,6 +23,8 @@ mod page;
 mod rng;
 #[path = "../tests/support/shapes.rs"]
 mod shapes;
+#[path = "support/solids.rs"]
+mod solids;
 mod support;
 
 use core::marker::PhantomData;
@@ -242,6 +244,22 @@ fn realignments() -> [Row; 2] {
     rows
 }
 
+/// Nanoseconds per call of each variant: medians over rounds in which they take turns, so that other load on the
+/// machine affects all of them.
+fn medians(benches: &[Bench], rounds: usize) -> Vec<f64> {
+    let mut times = vec![Vec::new(); benches.len()];
+    for _ in 0..rounds {
+        for (times, bench) in times.iter_mut().zip(benches) {
+            times.push((bench.time)().as_secs_f64() * 1e9 / bench.calls as f64);
+        }
+    }
+    let median = |mut times: Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    times.into_iter().map(median).collect()
+}
+
 impl Row {
     fn new(kernel: &'static str, k: usize, level: &'static str, masks: &[u16], plane_bytes: usize) -> Self {
         let calls = masks.len();
@@ -249,24 +267,8 @@ impl Row {
         Self { kernel, k, level, calls, separated, bytes: plane_bytes * k, benches: Vec::new() }
     }
 
-    /// Nanoseconds per call of each variant: medians over rounds in which they take turns, so that other load on the
-    /// machine affects all of them.
-    fn medians(&self, rounds: usize) -> Vec<f64> {
-        let mut times = vec![Vec::new(); self.benches.len()];
-        for _ in 0..rounds {
-            for (times, bench) in times.iter_mut().zip(&self.benches) {
-                times.push((bench.time)().as_secs_f64() * 1e9 / bench.calls as f64);
-            }
-        }
-        let median = |mut times: Vec<f64>| {
-            times.sort_by(f64::total_cmp);
-            times[times.len() / 2]
-        };
-        times.into_iter().map(median).collect()
-    }
-
     fn print_summary(&self) {
-        let medians = self.medians(15);
+        let medians = medians(&self.benches, 15);
         let percent = 100.0 * self.separated;
         let is_overlap = !self.kernel.starts_with("realign");
         let empty = if is_overlap { format!(", {percent:.0} % of the masks empty") } else { String::new() };
@@ -310,9 +312,10 @@ fn main() {
             "Median nanoseconds of a call of an overlap kernel, on the calls of real queries (cow and armadillo \
              against themselves, almost touching), and of the rotation of a node's planes. *Papers*: the kernels of \
              the SIMDop paper. *Half*: planes in half floats. First checks that every variant gives the scalar \
-             kernel's bits.",
+             kernel's bits, and that no decision about shapes differs from `is_within`.",
         );
         for_each_row(|row| row.print_summary());
+        solids::print_summary();
         page::write();
         return;
     }
@@ -321,14 +324,18 @@ fn main() {
         .warm_up_time(Duration::from_millis(200))
         .measurement_time(Duration::from_secs(1));
     let mut criterion = short.configure_from_args();
-    for_each_row(|row| {
-        let mut group = criterion.benchmark_group(format!("kernel/{}/k{}/{}", row.kernel, row.k, row.level));
-        for bench in &row.benches {
+    let mut measure = |group: String, benches: &[Bench]| {
+        let mut group = criterion.benchmark_group(group);
+        for bench in benches {
             group.throughput(Throughput::Elements(bench.calls as u64));
             group.bench_function(&bench.name, |b| {
                 b.iter_custom(|passes| (0..passes).map(|_| (bench.time)()).sum());
             });
         }
-    });
+    };
+    for_each_row(|row| measure(format!("kernel/{}/k{}/{}", row.kernel, row.k, row.level), &row.benches));
+    for row in solids::all() {
+        measure(format!("kernel/{}", row.name), &row.benches);
+    }
     criterion.final_summary();
 }
