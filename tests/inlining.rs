@@ -1,7 +1,7 @@
 //! The kernels are inlined in the traversal, because a call for each row would cost as much as the row.
 //!
 //! The test reads the symbol table of its own binary. Of the modules `simdop::kernel::{avx2, avx512, neon}` no
-//! function may be left but the realignment and the filter of triangles. This program queries with every node
+//! function may be left but the realignment and two filters of primitives. This program queries with every node
 //! type and searches a cloud in every way, on every instruction set, and does not use the kernels otherwise. A
 //! function that is called has a symbol. So `overlap_1v16`, `overlap_16v1`, `overlap_4v4`, `boxes_near`,
 //! `points_near`, `pick` and their parts (loads, masks) are inlined in each of those traversals.
@@ -129,7 +129,10 @@ fn is_kernel(name: &str) -> bool {
 
 /// Realignment is called once for up to 16 rows, and the filter once for up to four pairs of triangles. Each is
 /// hundreds of instructions, so the compiler shares them between queries. They are compiled for the same
-/// features, and their parts must still be inlined in them.
+/// features, and their parts must still be inlined in them. A slab of a primitive is compared once with sixteen
+/// children; some traversals call that at the test suite's level of optimisation, but not at a release's.
 fn may_be_apart(name: &str) -> bool {
-    ["10realign_16", "9realign_4", "7realign17h", "7apart_4"].iter().any(|function| name.contains(function))
+    ["10realign_16", "9realign_4", "7realign17h", "7apart_4", "9beyond_16"]
+        .iter()
+        .any(|function| name.contains(function))
 }
