@@ -135,29 +135,30 @@ fn ratios(page: &mut String, rows: &[Row], libraries: &[&str]) {
     let _ = write!(
         page,
         "\n## {OURS} / fastest peer\n\n\
-        Of the median times of a row. The bars: at most {MEDIAN_BAR:.2} in the median row, never above {ANY_BAR}.\n\n\
+        Of the median times of a row. The bars: at most {MEDIAN_BAR:.2} in the median row, never above {ANY_BAR}. \
+        *Exact*: of the peers without a wrong answer in the row.\n\n\
         | query | rows | median row | worst row | | rows above {ANY_BAR} |\n| --- | --: | --: | --: | --- | --: |\n"
     );
-    for measure in &MEASURES {
+    for (measure, is_exact) in MEASURES.iter().flat_map(|measure| [(measure, false), (measure, true)]) {
+        let title = format!("{}{}", measure.title, if is_exact { ", exact" } else { "" });
         let mut all: Vec<(f64, String)> = groups(rows)
             .iter()
             .filter_map(|group| {
                 let first = group[0];
                 let what = format!("{}, {}, {}", first.a, first.b, first.placement);
-                Some((ratio(group, libraries, measure)?, what))
+                Some((ratio(group, libraries, measure, is_exact)?, what))
             })
             .collect();
         all.sort_by(|x, y| x.0.total_cmp(&y.0));
         let Some((worst, what)) = all.last() else {
-            let _ = writeln!(page, "| {} | 0 | - | - | | - |", measure.title);
+            let _ = writeln!(page, "| {title} | 0 | - | - | | - |");
             continue;
         };
         let sorted: Vec<f64> = all.iter().map(|(ratio, _)| *ratio).collect();
         let above = sorted.iter().filter(|ratio| **ratio > ANY_BAR).count();
         let _ = writeln!(
             page,
-            "| {} | {} | {:.2} | {worst:.2} | {what} | {above} |",
-            measure.title,
+            "| {title} | {} | {:.2} | {worst:.2} | {what} | {above} |",
             all.len(),
             quantile(&sorted, 0.5)
         );
@@ -235,7 +236,8 @@ fn table(page: &mut String, rows: &[Row], libraries: &[&str], measure: &Measure)
             format!("{median:.0} / {p99:.0}{wrong}")
         };
         let cells: Vec<String> = libraries.iter().map(cell).collect();
-        let ratio = ratio(&group, libraries, measure).map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
+        let ratio =
+            ratio(&group, libraries, measure, false).map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
         let _ = writeln!(page, "| {} | {} | {} | {ratio} |", group[0].a, group[0].b, cells.join(" | "));
     }
 }
@@ -253,15 +255,16 @@ fn over_runs(rows: &[&Row], of: fn(&Row) -> Option<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| quantile(&values, 0.5))
 }
 
-/// Our median time relative to that of the fastest peer.
-fn ratio(group: &[&Row], libraries: &[&str], measure: &Measure) -> Option<f64> {
-    let of = |library: &str| {
-        let rows: Vec<&Row> = group.iter().copied().filter(|row| row.library == library).collect();
-        over_runs(&rows, measure.median)
-    };
-    let peers = libraries.iter().filter(|library| !library.starts_with(OURS));
-    let fastest = peers.filter_map(|library| of(library)).min_by(f64::total_cmp)?;
-    Some(of(OURS)? / fastest)
+/// Our median time relative to that of the fastest peer, if `is_exact` of those without a wrong answer.
+fn ratio(group: &[&Row], libraries: &[&str], measure: &Measure, is_exact: bool) -> Option<f64> {
+    let of =
+        |library: &str| -> Vec<&Row> { group.iter().copied().filter(|row| row.library == library).collect() };
+    let time = |rows: &[&Row]| over_runs(rows, measure.median);
+    let is_right = |rows: &[&Row]| !is_exact || rows.iter().all(|row| (measure.wrong)(row) == [0, 0]);
+    let peers = libraries.iter().filter(|library| !library.starts_with(OURS)).map(|library| of(library));
+    let fastest =
+        peers.filter(|rows| is_right(rows)).filter_map(|rows| time(&rows)).min_by(f64::total_cmp)?;
+    Some(time(&of(OURS))? / fastest)
 }
 
 /// The distinct items, in the order of first appearance.
