@@ -45,6 +45,18 @@ fn compare_motions(exact: &PlanningScene, bounded: &PlanningScene, motions: &[[&
     count
 }
 
+/// The ends of two motions from the same configuration, close to each other: the first barely hits, or is not known to
+/// be free. They are between two ends of which the motion to the first hits and that to the second is free.
+fn grazing(exact: &PlanningScene, from: &[f64], mut ends: [Vec<f64>; 2]) -> [Vec<f64>; 2] {
+    let mut workspace = exact.workspace();
+    for _ in 0..12 {
+        let middle = exact.between(&ends[0], &ends[1], 0.5).unwrap();
+        let is_free = exact.is_motion_free(&mut workspace, [from, &middle]).unwrap();
+        ends[usize::from(is_free)] = middle;
+    }
+    ends
+}
+
 /// Verdicts with bounds equal those without, and those that the bounds decide are right. Returns how many these are,
 /// and how many configurations are free.
 fn compare(exact: &PlanningScene, bounded: &PlanningScene, values: &[f64]) -> [usize; 2] {
@@ -119,20 +131,22 @@ fn verdicts_of_the_talos_in_a_scan_are_those_of_the_scene() {
     assert!(free * 50 > asked && free * 2 < asked && decided * 2 > asked, "{free} and {decided} of {asked}");
 }
 
-/// Motions of all lengths, from ends of the problems and between random configurations.
+/// Motions of all lengths, from ends of the problems and between random configurations, and motions that barely hit.
 #[test]
 fn motions_by_bounds_are_those_of_the_scene() {
     let Some(folder) = directory() else { return };
     for setting in SETTINGS.iter().filter(|setting| !setting.is_drawn) {
         let (model, other) = (model_of(setting, &folder), setting.robot(&folder));
         let mut rng = Rng::new(25);
-        let mut all = [0; 2];
+        let (mut all, mut grazed) = ([0; 2], 0);
         for problem in setting.problems(&folder, &other, 70 * suite_step()) {
             let mut exact = PlanningScene::new(Arc::clone(&model)).unwrap();
             insert_obstacles(&mut exact, &problem);
             let mut bounded = exact.clone();
             bounded.use_bounds(CELL).unwrap();
             let start = real::values(&model, &problem.ends[0]);
+            // Ends of motions from the start that are not free, and of free ones.
+            let mut ends_of: [Vec<Vec<f64>>; 2] = Default::default();
             for _ in 0..(200 / suite_step()).max(12) {
                 let random = random(&exact, &mut rng, 2);
                 let (a, b) = random.split_at(exact.variables());
@@ -143,10 +157,22 @@ fn motions_by_bounds_are_those_of_the_scene() {
                 let motions = [[a, b], [&start, a], [&start, &ends[0]], [a, &ends[1]], [a, a]];
                 let count = compare_motions(&exact, &bounded, &motions);
                 all = [all[0] + count[0], all[1] + count[1]];
+                let mut workspace = exact.workspace();
+                let is_free = |end: &&[f64]| exact.is_motion_free(&mut workspace, [&start, end]).unwrap();
+                let (free, not): (Vec<&[f64]>, Vec<_>) = [a, &ends[0]].into_iter().partition(is_free);
+                ends_of[0].extend(not.into_iter().map(<[f64]>::to_vec));
+                ends_of[1].extend(free.into_iter().map(<[f64]>::to_vec));
+            }
+            let [hits, free] = ends_of;
+            for (hit, free) in hits.into_iter().zip(free) {
+                let [hit, free] = grazing(&exact, &start, [hit, free]);
+                let _ = compare_motions(&exact, &bounded, &[[&start, &hit], [&start, &free]]);
+                grazed += 1;
             }
         }
-        println!("{}: {all:?} free and not", setting.name);
+        println!("{}: {all:?} free and not, {grazed} that barely hit", setting.name);
         assert!(all.iter().all(|count| *count > 100 / suite_step()), "{}: {all:?}", setting.name);
+        assert!(grazed > 100 / suite_step(), "{}: {grazed}", setting.name);
     }
 }
 

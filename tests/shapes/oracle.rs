@@ -3,7 +3,7 @@
 
 use crate::shape_cases::{hard_margin, hard_pair, hard_pairs, kind_pairs, permuted, scaled};
 use crate::shape_oracle::Judgement::{self, Apart, Meets, TooCloseToCall};
-use crate::shape_oracle::{distance_interval, estimate, is_rational, meets};
+use crate::shape_oracle::{distance_interval, estimate, is_rational, meets, meets_finely};
 use crate::support::data::suite_step;
 use crate::support::rng::Rng;
 use dashu_int::IBig;
@@ -267,6 +267,25 @@ fn estimates_are_upper_bounds() {
     check(&oblique, &Shape::default());
     for (a, b) in hard_pairs(&mut Rng::new(8)).take(cases() as usize) {
         check(&a, &b);
+    }
+}
+
+/// A widened cylinder and a segment above its rim: their distance exceeds the radius by 2^-103, or not at all. The
+/// segment is a point, which the oracle decides exactly, or parallel to the axis.
+#[test]
+fn apart_by_less_than_the_first_bounds_resolve() {
+    let cylinder =
+        shape(Core::Cylinder { centre: [-1.0, 2.0, 0.0], half_axis: [0.0, -1.0, 0.0], radius: 5.0 }, 5.0);
+    let segment = |z: f64, top: f64| shape(Core::Segment([[-1.0, 8.0, z], [-1.0, top, z]]), 0.0);
+    let beyond = -5.0 - 4.0 * f64::EPSILON;
+    for (z, top, judgements) in [
+        (-5.0, 8.0, [Meets, Meets]),
+        (beyond, 8.0, [Apart, Apart]),
+        (-5.0, 9.0, [TooCloseToCall, TooCloseToCall]),
+        (beyond, 9.0, [TooCloseToCall, Apart]),
+    ] {
+        let other = segment(z, top);
+        assert_eq!([meets, meets_finely].map(|meets| meets(&cylinder, &other, 0.0)), judgements, "{z} {top}");
     }
 }
 

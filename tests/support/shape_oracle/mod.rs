@@ -61,6 +61,16 @@ const RESOLVED: usize = 64;
 
 /// Whether the distance of two shapes is at most `margin`, which is not negative.
 pub(crate) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
+    judge(a, b, margin, RESOLVED)
+}
+
+/// [`meets`] for pairs that are too close for it: with bounds to 2^-240 of the size.
+pub(crate) fn meets_finely(a: &Shape, b: &Shape, margin: f64) -> Judgement {
+    judge(a, b, margin, 240)
+}
+
+/// The judgement by bounds that are refined to 2^-`resolved` of the size.
+fn judge(a: &Shape, b: &Shape, margin: f64, resolved: usize) -> Judgement {
     let exact = |is_within: bool| if is_within { Judgement::Meets } else { Judgement::Apart };
     let mut pair = Pair::new(a, b, margin, 0);
     if let Some(is_within) = half_spaces_reach(&pair) {
@@ -76,7 +86,9 @@ pub(crate) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
             return exact(numerator <= &pair.reach * &pair.reach * denominator);
         }
         (Body::Hull(hull), Body::Round(round)) | (Body::Round(round), Body::Hull(hull)) => {
-            if let [point] = &hull.corners[..] {
+            // Also a segment or triangle that is a point.
+            let point = &hull.corners[0];
+            if hull.corners.iter().all(|corner| corner == point) {
                 return exact(round.reaches_point(point, &pair.reach));
             }
             if pair.reach == IBig::ZERO {
@@ -85,10 +97,11 @@ pub(crate) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
         }
         _ => {}
     }
-    if pair.bits < PRECISION {
-        pair = Pair::new(a, b, margin, PRECISION);
+    let precision = resolved + (PRECISION - RESOLVED);
+    if pair.bits < precision {
+        pair = Pair::new(a, b, margin, precision);
     }
-    let (reach, least) = (pair.reach.clone(), IBig::ONE << (pair.bits - RESOLVED));
+    let (reach, least) = (pair.reach.clone(), IBig::ONE << (pair.bits - resolved));
     let is_enough = |lower: &IBig, upper: &IBig| *lower > reach || *upper <= reach || upper - lower <= least;
     let bounds = refine(&pair, &rough.directions, is_enough);
     if bounds.lower > reach {
@@ -180,6 +193,6 @@ impl Interval {
 
 /// Uses every entry point once, so that tests that need only some of them compile without a warning.
 const _: () = {
-    let _ = (meets, distance_interval, estimate, is_rational);
+    let _ = (meets, meets_finely, distance_interval, estimate, is_rational);
     let _ = (Interval::is_narrow, Interval::judge, Interval::size, Interval::to_f64);
 };
