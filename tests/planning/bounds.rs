@@ -5,7 +5,7 @@ use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS, street};
 use crate::support::data::{directory, suite_step};
 use crate::support::rng::Rng;
 use simdop::construct::{Builder, OwnedMesh};
-use simdop::planning::{PlanningError, PlanningScene, Workspace};
+use simdop::planning::{PlanningError, PlanningScene, RobotFiles, RobotModel, Workspace};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::query::Query;
@@ -174,6 +174,47 @@ fn motions_by_bounds_are_those_of_the_scene() {
         assert!(all.iter().all(|count| *count > 100 / suite_step()), "{}: {all:?}", setting.name);
         assert!(grazed > 100 / suite_step(), "{}: {grazed}", setting.name);
     }
+}
+
+/// A chain of five links in a plane, with balls at the ends of the first and the last: four joints between them are too
+/// many for a table, and the spheres around these bodies are the balls themselves.
+fn chain() -> RobotModel {
+    let link = |i: usize| {
+        let ball =
+            r#"<collision><origin xyz="0.3 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>"#;
+        let (before, x, ball) = (i - 1, if i == 1 { 0.0 } else { 0.3 }, if i % 4 == 1 { ball } else { "" });
+        format!(
+            r#"<link name="l{i}">{ball}</link><joint name="j{i}" type="revolute"><parent link="l{before}"/>
+            <child link="l{i}"/><origin xyz="{x} 0 0"/><axis xyz="0 0 1"/>
+            <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>"#
+        )
+    };
+    let links: String = (1..=5).map(link).collect();
+    let path = std::env::temp_dir().join(format!("simdop-chain-{}.urdf", std::process::id()));
+    std::fs::write(&path, format!(r#"<robot name="chain"><link name="l0"/>{links}</robot>"#)).unwrap();
+    let model = RobotFiles::new(&path).load();
+    std::fs::remove_file(&path).unwrap();
+    model.unwrap()
+}
+
+#[test]
+fn motions_of_a_chain_barely_hit() {
+    let exact = PlanningScene::new(chain()).unwrap();
+    let mut bounded = exact.clone();
+    bounded.use_bounds(CELL).unwrap();
+    let (mut rng, mut workspace, mut grazed) = (Rng::new(27), exact.workspace(), 0);
+    for _ in 0..40 {
+        let all = random(&exact, &mut rng, 30);
+        let (from, others) = all.split_at(exact.variables());
+        let is_free = |end: &&[f64]| exact.is_motion_free(&mut workspace, [from, end]).unwrap();
+        let (free, hits): (Vec<&[f64]>, Vec<_>) = others.chunks(exact.variables()).partition(is_free);
+        for (hit, free) in hits.into_iter().zip(free) {
+            let [hit, free] = grazing(&exact, from, [hit.to_vec(), free.to_vec()]);
+            let _ = compare_motions(&exact, &bounded, &[[from, &hit], [from, &free]]);
+            grazed += 1;
+        }
+    }
+    assert!(grazed > 50, "{grazed}");
 }
 
 /// Rounding puts the end of a motion beyond the limits. The walls are close, so most motions are tested at the end.
