@@ -309,6 +309,9 @@ fn bounds_follow_the_scene() {
     assert_eq!(ids[0], ids[1]);
     both(&mut |scene| scene.place(wall, &at(0.2, 0.0, 0.7)).unwrap(), true);
     both(&mut |scene| scene.place_base(&at(0.1, 0.0, 0.0)).unwrap(), true);
+    // Where the base was before.
+    both(&mut |scene| scene.place(cup, &at(-0.1, 0.0, 0.0)).unwrap(), true);
+    both(&mut |scene| scene.place(cup, &at(0.0, 0.4, 0.9)).unwrap(), true);
     let hand = exact_link("hand");
     both(&mut |scene| scene.allow_collision(hand, wall).unwrap(), true);
     both(&mut |scene| scene.attach(cup, "hand", &[0.0; 4], &["hand"]).unwrap(), true);
@@ -337,8 +340,6 @@ fn bounds_follow_the_scene() {
     both(&mut |scene| scene.attach(points, "hand", &[0.0; 4], &["hand"]).unwrap(), false);
     both(&mut |scene| scene.remove(points).map(drop).unwrap(), true);
     both(&mut |scene| scene.detach(cup, &at(0.2, 0.4, 0.5)).unwrap(), true);
-    // Where the base was at first.
-    both(&mut |scene| scene.place(cup, &at(-0.1, 0.0, 0.0)).unwrap(), true);
     // Two bodies that do not move meet: nothing is free.
     both(&mut |scene| scene.place(cup, &at(0.2, 0.0, 0.7)).unwrap(), true);
     both(&mut |scene| scene.remove(cup).map(drop).unwrap(), true);
