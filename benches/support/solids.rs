@@ -3,7 +3,7 @@
 use crate::page::show;
 use crate::rng::Rng;
 use crate::{Bench, medians};
-use simdop::isa::{Isa, on_isa};
+use simdop::isa::{Isa, Scalar, on_isa};
 use simdop::low_level::kernel::Kernel;
 use simdop::pose::Pose;
 use simdop::primitive::shape::lanes::{Decided, Solid, SolidLanes};
@@ -70,20 +70,24 @@ fn solids<const M: usize, const N: usize>(kinds: &str) -> impl Iterator<Item = S
                 (query, SolidLanes::new(others).expect("this many half edges"))
             })
             .collect();
-        let (pairs, mut decided) = (16 * QUERIES, 0);
+        let scalar = Scalar::new();
+        let answers: Vec<Decided> = calls.iter().map(|(query, lanes)| scalar.solids(query, lanes)).collect();
+        for (answer, (query, others)) in answers.iter().zip(queries.iter().zip(&others)) {
+            for (lane, other) in others.iter().enumerate() {
+                let (apart, within) = (answer.apart >> lane & 1 == 1, answer.within >> lane & 1 == 1);
+                let is_right = if is_within(query, other, 0.0) { !apart } else { !within };
+                assert!(is_right, "{kinds}, {at}: a wrong decision");
+            }
+        }
+        let decided: u32 = answers.iter().map(|answer| (answer.apart | answer.within).count_ones()).sum();
+        let pairs = 16 * QUERIES;
         let mut benches = Vec::new();
         for isa in Isa::available() {
             on_isa!(isa, token => {
                 let calls = calls.clone();
-                let answers: Vec<Decided> = calls.iter().map(|(query, lanes)| token.solids(query, lanes)).collect();
-                for (answer, (query, others)) in answers.iter().zip(queries.iter().zip(&others)) {
-                    for (lane, other) in others.iter().enumerate() {
-                        let (apart, within) = (answer.apart >> lane & 1 == 1, answer.within >> lane & 1 == 1);
-                        let is_right = if is_within(query, other, 0.0) { !apart } else { !within };
-                        assert!(is_right, "{kinds}, {at}: {isa} is wrong");
-                    }
-                }
-                decided = answers.iter().map(|answer| (answer.apart | answer.within).count_ones()).sum();
+                let mut both = calls.iter().zip(&answers);
+                let is_same = both.all(|((query, lanes), answer)| token.solids(query, lanes) == *answer);
+                assert!(is_same, "{kinds}, {at}: {isa} differs from the scalar kernel");
                 let time = move || {
                     let pass = || token.run(
                         #[inline(always)]

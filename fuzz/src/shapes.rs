@@ -1,6 +1,6 @@
 //! Shapes from the fuzzer's bytes, and the oracle of their distance.
 
-use crate::shape_oracle::{Judgement, distance_interval, is_rational, meets};
+use crate::shape_oracle::{Judgement, distance_interval, is_rational, meets, meets_finely};
 use crate::{Input, Mode};
 use simdop::primitive::shape::{Core, Shape, ShapeError};
 
@@ -79,7 +79,11 @@ pub fn margin(input: &mut Input, a: &Shape, b: &Shape) -> f64 {
 /// certain, and hits may be 2^-40 of the size apart.
 pub fn check_decision(a: &Shape, b: &Shape, margin: f64, is_within: bool) {
     match meets(a, b, margin) {
-        Judgement::Meets | Judgement::TooCloseToCall => assert!(is_within, "a miss: {a:?} {b:?} {margin:e}"),
+        Judgement::Meets => assert!(is_within, "a miss: {a:?} {b:?} {margin:e}"),
+        Judgement::TooCloseToCall => {
+            let is_right = is_within || meets_finely(a, b, margin) == Judgement::Apart;
+            assert!(is_right, "a miss: {a:?} {b:?} {margin:e}");
+        }
         Judgement::Apart if !is_within => {}
         Judgement::Apart => {
             assert!(!is_rational(a, b, margin), "a false hit: {a:?} {b:?} {margin:e}");

@@ -23,6 +23,12 @@ fn arm() -> RobotModel {
     RobotFiles::new(arm_file("arm.urdf")).srdf(arm_file("arm.srdf")).load().unwrap()
 }
 
+/// A robot from the text of a URDF file. Each test has a name of its own for its files.
+fn model_of_text(name: &str, urdf: &str) -> RobotModel {
+    let folder = files::Folder::new(name);
+    RobotFiles::new(folder.file("robot.urdf", urdf)).load().unwrap()
+}
+
 fn scene() -> PlanningScene {
     PlanningScene::new(arm()).unwrap()
 }

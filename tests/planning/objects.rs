@@ -1,9 +1,9 @@
 //! Objects that are inserted, moved, removed and carried.
 
-use super::{at, scene};
+use super::{at, model_of_text, scene};
 use simdop::cloud::PointCloud;
 use simdop::glam::{DQuat, DVec3};
-use simdop::planning::{PlanningError, PlanningScene, RobotFiles};
+use simdop::planning::{PlanningError, PlanningScene};
 use simdop::pose::Pose;
 use simdop::primitive::Shape;
 use simdop::scene::{Body, MotionVerdict};
@@ -143,10 +143,7 @@ const WHEEL: &str = r#"<robot name="wheel"><link name="hub"/><link name="spoke">
 /// A continuous joint takes the shorter way, and a value may have any number of turns.
 #[test]
 fn continuous_joints_wrap() {
-    let path = std::env::temp_dir().join(format!("simdop-wheel-{}.urdf", std::process::id()));
-    std::fs::write(&path, WHEEL).unwrap();
-    let mut scene = PlanningScene::new(RobotFiles::new(&path).load().unwrap()).unwrap();
-    std::fs::remove_file(&path).unwrap();
+    let mut scene = PlanningScene::new(model_of_text("wheel", WHEEL)).unwrap();
     assert_eq!(scene.variable_names().collect::<Vec<_>>(), ["axle"]);
     assert!(scene.is_continuous(0) && !scene.is_continuous(1));
     let _ = scene.insert("ahead", cube(0.1).fixed(), &at(1.0, 0.0, 0.0)).unwrap();

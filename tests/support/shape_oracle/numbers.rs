@@ -143,7 +143,7 @@ pub(crate) fn sign_with_roots(a: &IBig, (b, p): (&IBig, &IBig), (c, q): (&IBig, 
 pub(crate) fn to_f64(x: &IBig, bits: usize) -> f64 {
     // Only the leading bits: larger numbers overflow.
     let excess = bits.saturating_sub(200);
-    leading(x, excess) * power_of_two(-((bits - excess) as i32))
+    leading(x, excess) * 2_f64.powi(-((bits - excess) as i32))
 }
 
 /// `x 2^exponent`, up to rounding.
@@ -152,12 +152,9 @@ pub(crate) fn scaled(x: &IBig, exponent: i32) -> f64 {
     leading(x, excess) * 2_f64.powi(exponent + excess as i32)
 }
 
+/// `x / 2^excess`. Does not copy the number if there is nothing to drop.
 fn leading(x: &IBig, excess: usize) -> f64 {
     if excess == 0 { x.to_f64().value() } else { (x >> excess).to_f64().value() }
-}
-
-fn power_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 #[test]

@@ -170,11 +170,11 @@ fn lowest(bodies: &[Flat; 2], direction: &Point) -> Found {
     Found { point: sub(&p, &q), corners: [i, j], direction: towards }
 }
 
-/// Which of at most four points span the point nearest to the origin, and that point; none if the origin is certainly
-/// inside.
+/// Which points, at most four, span the point nearest to the origin, and that point; none if the origin is certainly
+/// inside. There are at most five.
 fn nearest(found: &[Found]) -> Option<(usize, Point)> {
     let mut best = (f64::INFINITY, 0, [0.0; 3]);
-    // Five, if four were needed and the origin is near a face of their tetrahedron.
+    // Four are kept if the origin is near a face of their tetrahedron; then a new point is the fifth.
     for subset in (1..1_usize << found.len()).filter(|subset| subset.count_ones() <= 4) {
         let (mut points, mut count) = ([[0.0; 3]; 4], 0);
         for (_, f) in found.iter().enumerate().filter(|(i, _)| subset & 1 << i != 0) {
