@@ -29,11 +29,10 @@ BARE=(
 )
 CONSUMERS=tests/no_std_consumer
 
-# Profile, packages and features of the README's test command, after `host_selection` has read it. All builds in that
-# profile for this machine use them, so that nothing is built twice.
+# Profile, packages and features of the README's test command, after `host_selection` has read it, and the feature for
+# tests that need a device. All builds in that profile for this machine use them, so that nothing is built twice.
 HOST=()
-# For tests and benches that need a device: the library with only the features that they use.
-WITH_GPU=(--profile suite -p simdop --features gpu,rayon)
+GPU=(--features simdop/gpu)
 
 # A caller's flags would change what is tested.
 clear_flags() {
@@ -97,7 +96,7 @@ host_selection() {
   read -ra words <<<"$(readme_test_command)"
   [ "${words[*]:0:4}" = "cargo test --profile suite" ] ||
     die "the README's test command does not begin with cargo test --profile suite"
-  HOST=("${words[@]:2}")
+  HOST=("${words[@]:2}" "${GPU[@]}")
 }
 
 # The instruction sets of this CPU that tests must run on, separated by commas.
@@ -114,16 +113,6 @@ neon() {
 miri_kernels() {
   MIRIFLAGS=-Zmiri-disable-isolation \
     cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
-}
-
-# benches_of HOST|WITH_GPU: prints the benches of devices, or all others.
-benches_of() {
-  local bench with
-  for bench in benches/*.rs; do
-    bench=$(basename "$bench" .rs) with=HOST
-    [[ $bench != gpu* ]] || with=WITH_GPU
-    [ "$with" != "$1" ] || echo "$bench"
-  done
 }
 
 # fuzz_all RUNS SEED OPTIONS...: each target has an oracle; seed and count make a run repeatable. Built with the address

@@ -4,7 +4,7 @@
 use crate::support::data::{MeshData, by_suite, suite_step};
 use crate::support::exact::Tri;
 use crate::support::exact_distance::{exact_distance, mesh_distance};
-use crate::support::rng::Rng;
+use crate::support::rng::{CASES_STEP, Rng};
 use crate::support::shapes;
 use crate::{HalfNode, build_with_leaves};
 use simdop::hierarchy::Bvh;
@@ -214,7 +214,7 @@ where
 {
     let mut rng = Rng::new(52 + K as u64);
     // Few cases are as close to the pad as possible.
-    let cases = if K == 6 || K == 14 { 24_000 } else { 6000 } / suite_step();
+    let cases = if K == 6 || K == 14 { 24_000 } else { 6000 } / suite_step() / CASES_STEP;
     for case in 0..cases {
         let body = |rng: &mut Rng, unit: f64| {
             let y = tight_point::<K>(rng).map(|x| x * unit);

@@ -15,6 +15,7 @@
 use crate::pairs_that_meet;
 use crate::support::data::{MeshData, Suite, suite_step, suites};
 use crate::support::exact::{meeting_pairs, meshes_meet};
+use crate::support::rng::CASES_STEP;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -42,8 +43,9 @@ fn judged(suite: &Suite) -> Vec<Judged> {
     let a = build::<Node16<18>>(&suite.a, 1, Splitter::ExtendedLongestAxis);
     let b = build::<Node16<18>>(&suite.b, 1, Splitter::ExtendedLongestAxis);
     let query = Query::new(Isa::detect());
-    let poses = suite
-        .poses(suite_step(), |rows| query.collide(&a, &b, &Pose::from_rows(*rows).unwrap()).hit().is_some());
+    let poses = suite.poses(suite_step() * CASES_STEP.div_ceil(2), |rows| {
+        query.collide(&a, &b, &Pose::from_rows(*rows).unwrap()).hit().is_some()
+    });
     let still = suite.b.corners();
     let judge = |pose: &[[f64; 4]; 3]| meshes_meet(&suite.a.placed(pose), &still);
     poses.into_iter().map(|pose| (pose, judge(&pose))).collect()

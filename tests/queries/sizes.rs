@@ -9,7 +9,7 @@ use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed, mo
 use crate::support::corners::{inverse, near_corners};
 use crate::support::data::{MeshData, by_suite, directory, suite_step};
 use crate::support::exact_distance::mesh_distance;
-use crate::support::rng::Rng;
+use crate::support::rng::{CASES_STEP, Rng};
 use crate::support::shapes::{append, cuboid, room, scaled, separate, wavy_torus};
 use simdop::construct::BuildError;
 use simdop::isa::Isa;
@@ -172,9 +172,10 @@ fn stray_parts_change_no_answer() {
 /// Margins near the exact distance, and the distance, at different sizes.
 #[test]
 fn margins_are_kept_at_every_ratio_of_sizes() {
+    let step = by_suite(1, 2 * CASES_STEP);
     for (name, mesh) in torus_and_room() {
         let mut apart = 0;
-        for (small, large) in SIZES.into_iter().step_by(by_suite(1, 2) as usize) {
+        for (small, large) in SIZES.into_iter().step_by(step) {
             let name = format!("{name}, {small:e} against {large:e}");
             let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
             for scene in Scene::both_ways(&name, &small, &large, &large, by_suite(3, 2)) {
@@ -183,7 +184,7 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
                 check_margins::<Node4<14>>(&scene);
             }
         }
-        assert!(apart > SIZES.len() / by_suite(1, 2) as usize, "{apart} poses apart are few");
+        assert!(apart > SIZES.len() / step, "{apart} poses apart are few");
     }
 }
 
@@ -191,7 +192,8 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
 /// triangles may be tested.
 #[test]
 fn distances_beside_large_triangles_take_little_work() {
-    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(by_suite(8000, 2000)));
+    let triangles = by_suite(8000, 2000 / CASES_STEP as u32);
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(triangles));
     for scale in [0.05, 1e-3, 1e-5] {
         let small = scaled(&torus, scale, [0.0; 3]);
         let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
@@ -271,7 +273,7 @@ fn answers_are_exact_on_real_meshes_of_unlike_size() {
         scenes.extend(Scene::both_ways(&format!("cow, {factor:e}"), &small, &cow, &cow, poses));
     }
     // The hall is in millimetres.
-    for link in ["finger", "hand"].into_iter().take(by_suite(2, 1) as usize) {
+    for link in ["finger", "hand"].into_iter().take(by_suite(2, usize::from(CASES_STEP == 1))) {
         let link = scaled(&read(&format!("robots/panda/meshes/{link}.obj")), 1e3, [0.0; 3]);
         scenes.extend(Scene::both_ways("a link in a hall", &link, &hall, &hall, poses));
     }

@@ -6,7 +6,7 @@
 mod robots;
 
 use crate::support::data::{self, MeshData, directory, suite_step};
-use crate::support::rng;
+use crate::support::rng::{self, CASES_STEP};
 use robots::{Obstacle, Problem, SETTINGS, Setting};
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
@@ -156,7 +156,7 @@ fn check(problem: &Problem, links: &[Link], trees: &[Tree], counts: &mut Counts)
     }
 }
 
-fn among_obstacles(setting: &Setting) {
+fn among_obstacles(setting: &Setting, step: usize) {
     let Some(data) = directory() else { return };
     let robot = setting.robot(&data);
     let tree = |mesh: &MeshData| {
@@ -165,7 +165,7 @@ fn among_obstacles(setting: &Setting) {
     let trees: Vec<Tree> = robot.links.iter().map(|link| tree(&link.mesh)).collect();
     let links: Vec<Link> = robot.links.iter().map(|link| Link::new(&link.mesh)).collect();
     let mut counts = Counts::default();
-    for problem in setting.problems(&data, &robot, 20 * suite_step()) {
+    for problem in setting.problems(&data, &robot, step) {
         check(&problem, &links, &trees, &mut counts);
     }
     assert!(
@@ -180,10 +180,10 @@ fn among_obstacles(setting: &Setting) {
 
 #[test]
 fn the_panda_meets_what_its_triangles_meet() {
-    among_obstacles(&SETTINGS[0]);
+    among_obstacles(&SETTINGS[0], 20 * suite_step());
 }
 
 #[test]
 fn the_ur5_meets_what_its_triangles_meet() {
-    among_obstacles(&SETTINGS[2]);
+    among_obstacles(&SETTINGS[2], 20 * suite_step() * CASES_STEP);
 }

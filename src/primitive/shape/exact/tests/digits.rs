@@ -4,6 +4,7 @@
 
 use super::sections::parts;
 use super::*;
+use crate::rng::CASES_STEP;
 use alloc::format;
 use core::cmp::Ordering;
 use dashu_int::IBig;
@@ -106,7 +107,7 @@ fn spheres_are_as_near_to_round_solids_as_in_fixed_point() {
     let mut rng = Rng::new(74);
     for round in [4, 5] {
         let mut tally = Tally::default();
-        for _ in 0..12_000 {
+        for _ in 0..12_000 / CASES_STEP {
             let most = rng.int(1, 8);
             let mut draw = Draw { rng: &mut rng, most };
             let (a, p) = (draw.core(round), draw.point());
@@ -119,7 +120,7 @@ fn spheres_are_as_near_to_round_solids_as_in_fixed_point() {
                 "{a:?} {p:?} {reach}"
             );
         }
-        tally.check(150, &format!("{round}"));
+        tally.check(150 / CASES_STEP, &format!("{round}"));
     }
 }
 
@@ -149,7 +150,7 @@ fn half_spaces_are_as_near_as_in_fixed_point() {
     let mut rng = Rng::new(75);
     for kind in 0..6 {
         let mut tally = Tally::default();
-        for _ in 0..8_000 {
+        for _ in 0..8_000 / CASES_STEP {
             let most = rng.int(1, 6);
             let mut draw = Draw { rng: &mut rng, most };
             let (a, b) = (draw.core(6), draw.core(kind));
@@ -162,7 +163,7 @@ fn half_spaces_are_as_near_as_in_fixed_point() {
             let a = Core::HalfSpace { normal: normal.map(|x| x * scale), offset: offset * scale };
             assert_eq!(verdict(&mut rng, &a, &b, reach as f64), Some(expected), "{a:?} {b:?} {reach}");
         }
-        tally.check(80, &format!("{kind}"));
+        tally.check(80 / CASES_STEP, &format!("{kind}"));
     }
 }
 
