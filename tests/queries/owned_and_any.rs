@@ -123,8 +123,7 @@ fn trees_of_any_node_type_answer_as_their_own_type_does() {
     }
 }
 
-/// The queries of each type-erased node type are compiled in the library, and those of the types themselves only for
-/// the default type here.
+/// Compares with the default type: a tree that is not type-erased would compile the queries of its node type once more.
 #[test]
 fn trees_of_any_node_type_have_the_verdicts_of_the_default_one() {
     let mesh = shapes::torus(12, 8);
