@@ -108,14 +108,14 @@ fn hints_change_no_verdict_and_no_distance() {
             query.distance(&largest.0.view(), &largest.1.view(), &pose, 1.0).unwrap().hint
         })
         .collect();
-    for suite in &suites {
+    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
         let (a, b) = bodies::<Node16<18>>(suite);
         let meets = |rows: &Rows| {
             query.collide(&a.view(), &b.view(), &Pose::from_rows(*rows).unwrap()).hit().is_some()
         };
-        let poses = suite.poses((suite_step() * CASES_STEP).max(4), meets);
+        let poses = suite.poses(suite_step().max(4), meets);
         check_suite::<Node16<18>>(suite, &poses, &foreign);
-        check_suite::<Node4<14>>(suite, &poses[..poses.len().min(16)], &foreign);
+        check_suite::<Node4<14>>(suite, &poses[..16], &foreign);
     }
 }
 

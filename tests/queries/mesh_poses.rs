@@ -43,9 +43,8 @@ fn judged(suite: &Suite) -> Vec<Judged> {
     let a = build::<Node16<18>>(&suite.a, 1, Splitter::ExtendedLongestAxis);
     let b = build::<Node16<18>>(&suite.b, 1, Splitter::ExtendedLongestAxis);
     let query = Query::new(Isa::detect());
-    let poses = suite.poses(suite_step() * CASES_STEP.div_ceil(2), |rows| {
-        query.collide(&a, &b, &Pose::from_rows(*rows).unwrap()).hit().is_some()
-    });
+    let poses = suite
+        .poses(suite_step(), |rows| query.collide(&a, &b, &Pose::from_rows(*rows).unwrap()).hit().is_some());
     let still = suite.b.corners();
     let judge = |pose: &[[f64; 4]; 3]| meshes_meet(&suite.a.placed(pose), &still);
     poses.into_iter().map(|pose| (pose, judge(&pose))).collect()
@@ -76,7 +75,7 @@ fn check<N: Lanes>(suite: &Suite, judged: &[Judged], leaf_size: u32, splitter: S
 #[test]
 fn verdicts_equal_brute_force_in_exact_arithmetic() {
     let Some(suites) = suites() else { return };
-    for suite in &suites {
+    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
         let judged = judged(suite);
         let hits = judged.iter().filter(|(_, meets)| *meets).count();
         println!("{}: {hits} hits in {} poses", suite.name, judged.len());
@@ -106,7 +105,7 @@ fn check_pairs<N: Lanes>(suite: &Suite, wanted: &[(Pose, BTreeSet<(u32, u32)>)])
 #[test]
 fn all_pairs_equal_brute_force() {
     let Some(suites) = suites() else { return };
-    for suite in &suites {
+    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
         let deep = |rows: [[f64; 3]; 3]| -> [[f64; 4]; 3] {
             core::array::from_fn(|i| [rows[i][0], rows[i][1], rows[i][2], 0.01 * suite.a.diagonal()])
         };

@@ -192,9 +192,8 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
 /// triangles may be tested.
 #[test]
 fn distances_beside_large_triangles_take_little_work() {
-    let triangles = by_suite(8000, 2000 / CASES_STEP as u32);
-    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(triangles));
-    for scale in [0.05, 1e-3, 1e-5] {
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(by_suite(8000, 2000)));
+    for scale in [0.05, 1e-3, 1e-5].into_iter().step_by(CASES_STEP.div_ceil(2)) {
         let small = scaled(&torus, scale, [0.0; 3]);
         let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
         // Above a face of the cube, and beyond its edges and corners.
