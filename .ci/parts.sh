@@ -29,10 +29,9 @@ BARE=(
 )
 CONSUMERS=tests/no_std_consumer
 
-# Profile, packages and features of the README's test command, after `host_selection` has read it, and the feature for
-# tests that need a device. All builds in that profile for this machine use them, so that nothing is built twice.
+# Profile, packages and features of `host_command`, after `host_selection` has read it. All builds in that profile for
+# this machine use them, so that nothing is built twice.
 HOST=()
-GPU=(--features simdop/gpu)
 
 # A caller's flags would change what is tested.
 clear_flags() {
@@ -91,12 +90,15 @@ readme_test_command() {
   echo "$command"
 }
 
+# The README's test command, with the tests that need a device.
+host_command() { echo "$(readme_test_command) --features simdop/gpu"; }
+
 host_selection() {
   local -a words
-  read -ra words <<<"$(readme_test_command)"
+  read -ra words <<<"$(host_command)"
   [ "${words[*]:0:4}" = "cargo test --profile suite" ] ||
     die "the README's test command does not begin with cargo test --profile suite"
-  HOST=("${words[@]:2}" "${GPU[@]}")
+  HOST=("${words[@]:2}")
 }
 
 # The instruction sets of this CPU that tests must run on, separated by commas.

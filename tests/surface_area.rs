@@ -12,9 +12,9 @@ use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query, QueryStats};
-use support::data::{MeshData, Suite, directory, suite_step, suites};
+use support::data::{MeshData, Suite, directory, emulator_step, suite_step, suites};
 use support::digest::digest_of_tree;
-use support::rng::{CASES_STEP, Rng};
+use support::rng::Rng;
 use support::shapes;
 
 const SPLITTERS: [Splitter; 2] = [Splitter::SurfaceArea, Splitter::MeanWidth];
@@ -47,7 +47,7 @@ fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: S
 
 fn check_mesh(what: &str, mesh: &MeshData) {
     for splitter in SPLITTERS {
-        for leaf_size in [1, 2, 5, 16].into_iter().step_by(CASES_STEP) {
+        for leaf_size in [1, 2, 5, 16].into_iter().step_by(emulator_step()) {
             check_tree::<Node16<18>>(what, mesh, leaf_size, splitter);
             check_tree::<Node4<6>>(what, mesh, leaf_size, splitter);
         }

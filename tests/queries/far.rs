@@ -1,10 +1,10 @@
 //! Distances and margins of bodies that are far apart or differ greatly in size, against brute force in exact
 //! integers. They cost no more than those of close bodies.
 
-use crate::support::data::{MeshData, by_suite, suite_step};
+use crate::support::data::{MeshData, by_suite, emulator_step, suite_step};
 use crate::support::exact::Tri;
 use crate::support::exact_distance::{exact_distance, mesh_distance};
-use crate::support::rng::{CASES_STEP, Rng};
+use crate::support::rng::Rng;
 use crate::support::shapes;
 use crate::{HalfNode, build_with_leaves};
 use simdop::hierarchy::Bvh;
@@ -214,7 +214,7 @@ where
 {
     let mut rng = Rng::new(52 + K as u64);
     // Few cases are as close to the pad as possible.
-    let cases = if K == 6 || K == 14 { 24_000 } else { 6000 } / suite_step() / CASES_STEP;
+    let cases = if K == 6 || K == 14 { 24_000 } else { 6000 } / suite_step() / emulator_step();
     for case in 0..cases {
         let body = |rng: &mut Rng, unit: f64| {
             let y = tight_point::<K>(rng).map(|x| x * unit);

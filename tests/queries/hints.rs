@@ -3,9 +3,9 @@
 
 use crate::build;
 use crate::pairs_that_meet;
-use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::support::data::{MeshData, Suite, emulator_step, suite_step, suites};
 use crate::support::exact::{Tri, triangles_meet};
-use crate::support::rng::{CASES_STEP, Rng};
+use crate::support::rng::Rng;
 use crate::support::turns::pose;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -108,7 +108,7 @@ fn hints_change_no_verdict_and_no_distance() {
             query.distance(&largest.0.view(), &largest.1.view(), &pose, 1.0).unwrap().hint
         })
         .collect();
-    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
+    for suite in suites.iter().step_by(emulator_step().div_ceil(2)) {
         let (a, b) = bodies::<Node16<18>>(suite);
         let meets = |rows: &Rows| {
             query.collide(&a.view(), &b.view(), &Pose::from_rows(*rows).unwrap()).hit().is_some()

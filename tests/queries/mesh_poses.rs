@@ -1,7 +1,8 @@
 //! Queries on real meshes: every verdict equals brute force in exact arithmetic, at gaps and depths down to
 //! 1e-8 of the diagonal.
 //!
-//! For each of the four pairs of meshes of `support::data::suites`, on every instruction set of this machine:
+//! For each of the four pairs of meshes of `support::data::suites` (in CI's emulator two of them), on every instruction
+//! set of this machine:
 //!
 //! * Verdicts at all 200 poses of the pair, which brute force judges once. Trees of every k (6, 14, 18, 26, 32)
 //!   and both arities with one triangle per leaf, by the default splitter (mean width) and by the fast preset's
@@ -13,9 +14,8 @@
 //! `SIMDOP_SUITE=full` has 200 poses instead of 32, and verifies the trees first.
 
 use crate::pairs_that_meet;
-use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::support::data::{MeshData, Suite, emulator_step, suite_step, suites};
 use crate::support::exact::{meeting_pairs, meshes_meet};
-use crate::support::rng::CASES_STEP;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -75,7 +75,7 @@ fn check<N: Lanes>(suite: &Suite, judged: &[Judged], leaf_size: u32, splitter: S
 #[test]
 fn verdicts_equal_brute_force_in_exact_arithmetic() {
     let Some(suites) = suites() else { return };
-    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
+    for suite in suites.iter().step_by(emulator_step().div_ceil(2)) {
         let judged = judged(suite);
         let hits = judged.iter().filter(|(_, meets)| *meets).count();
         println!("{}: {hits} hits in {} poses", suite.name, judged.len());
@@ -105,7 +105,7 @@ fn check_pairs<N: Lanes>(suite: &Suite, wanted: &[(Pose, BTreeSet<(u32, u32)>)])
 #[test]
 fn all_pairs_equal_brute_force() {
     let Some(suites) = suites() else { return };
-    for suite in suites.iter().step_by(CASES_STEP.div_ceil(2)) {
+    for suite in suites.iter().step_by(emulator_step().div_ceil(2)) {
         let deep = |rows: [[f64; 3]; 3]| -> [[f64; 4]; 3] {
             core::array::from_fn(|i| [rows[i][0], rows[i][1], rows[i][2], 0.01 * suite.a.diagonal()])
         };

@@ -7,9 +7,9 @@
 
 use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed, moved};
 use crate::support::corners::{inverse, near_corners};
-use crate::support::data::{MeshData, by_suite, directory, suite_step};
+use crate::support::data::{MeshData, by_suite, directory, emulator_step, suite_step};
 use crate::support::exact_distance::mesh_distance;
-use crate::support::rng::{CASES_STEP, Rng};
+use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, room, scaled, separate, wavy_torus};
 use simdop::construct::BuildError;
 use simdop::isa::Isa;
@@ -172,7 +172,7 @@ fn stray_parts_change_no_answer() {
 /// Margins near the exact distance, and the distance, at different sizes.
 #[test]
 fn margins_are_kept_at_every_ratio_of_sizes() {
-    let step = by_suite(1, 2 * CASES_STEP);
+    let step = by_suite(1, 2 * emulator_step());
     for (name, mesh) in torus_and_room() {
         let mut apart = 0;
         for (small, large) in SIZES.into_iter().step_by(step) {
@@ -193,7 +193,7 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
 #[test]
 fn distances_beside_large_triangles_take_little_work() {
     let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(by_suite(8000, 2000)));
-    for scale in [0.05, 1e-3, 1e-5].into_iter().step_by(CASES_STEP.div_ceil(2)) {
+    for scale in [0.05, 1e-3, 1e-5].into_iter().step_by(emulator_step().div_ceil(2)) {
         let small = scaled(&torus, scale, [0.0; 3]);
         let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
         // Above a face of the cube, and beyond its edges and corners.
@@ -272,7 +272,7 @@ fn answers_are_exact_on_real_meshes_of_unlike_size() {
         scenes.extend(Scene::both_ways(&format!("cow, {factor:e}"), &small, &cow, &cow, poses));
     }
     // The hall is in millimetres.
-    for link in ["finger", "hand"].into_iter().take(by_suite(2, usize::from(CASES_STEP == 1))) {
+    for link in ["finger", "hand"].into_iter().take(by_suite(2, usize::from(emulator_step() == 1))) {
         let link = scaled(&read(&format!("robots/panda/meshes/{link}.obj")), 1e3, [0.0; 3]);
         scenes.extend(Scene::both_ways("a link in a hall", &link, &hall, &hall, poses));
     }

@@ -1,9 +1,9 @@
 //! Solid bodies: a body wholly inside a solid is a hit. The oracle uses the verdicts of surfaces, which other
 //! tests prove, and winding numbers in exact arithmetic, from rays in random directions that pass no edge.
 
-use crate::support::data::{MeshData, suite_step};
+use crate::support::data::{MeshData, emulator_step, suite_step};
 use crate::support::dyadic::sign_of_determinant;
-use crate::support::rng::{CASES_STEP, Rng};
+use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, scaled, separate, torus};
 use crate::support::turns::{pose, rotation};
 use crate::{HalfNode, aligned, mesh_of};
@@ -405,7 +405,7 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
 /// Most of the placements, at k = 18 and arity 16.
 #[test]
 fn what_is_inside_of_a_solid_is_a_hit() {
-    random_placements::<Node16<18>>(2, if cfg!(miri) { 20 } else { 80_000 / suite_step() / CASES_STEP });
+    random_placements::<Node16<18>>(2, if cfg!(miri) { 20 } else { 80_000 / suite_step() / emulator_step() });
 }
 
 #[test]

@@ -5,8 +5,8 @@
 #[path = "../../benches/support/robots.rs"]
 mod robots;
 
-use crate::support::data::{self, MeshData, directory, suite_step};
-use crate::support::rng::{self, CASES_STEP};
+use crate::support::data::{self, MeshData, directory, emulator_step, suite_step};
+use crate::support::rng;
 use robots::{Obstacle, Problem, SETTINGS, Setting};
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
@@ -185,5 +185,5 @@ fn the_panda_meets_what_its_triangles_meet() {
 
 #[test]
 fn the_ur5_meets_what_its_triangles_meet() {
-    among_obstacles(&SETTINGS[2], 20 * suite_step() * CASES_STEP);
+    among_obstacles(&SETTINGS[2], 20 * suite_step() * emulator_step());
 }

@@ -51,11 +51,25 @@ pub(crate) fn directory() -> Option<PathBuf> {
 
 /// The step through the cases: every eighth, or every one if `SIMDOP_SUITE` is `full`, as in `.ci/sweep`.
 pub(crate) fn suite_step() -> usize {
-    match std::env::var("SIMDOP_SUITE").as_deref() {
-        Err(_) => 8,
-        Ok("full") => 1,
-        Ok(other) => panic!("SIMDOP_SUITE is absent or full, not {other}"),
+    match suite().as_deref() {
+        Some("full") => 1,
+        _ => 8,
     }
+}
+
+/// A further step through the cases of tests that take long: 4 if `SIMDOP_SUITE` is `emulator`, as for NEON in
+/// `.ci/run`. What an oracle says is the same on every machine.
+pub(crate) fn emulator_step() -> usize {
+    match suite().as_deref() {
+        Some("emulator") => 4,
+        _ => 1,
+    }
+}
+
+fn suite() -> Option<String> {
+    let suite = std::env::var("SIMDOP_SUITE").ok()?;
+    assert!(["full", "emulator"].contains(&&*suite), "SIMDOP_SUITE is absent, full or emulator, not {suite}");
+    Some(suite)
 }
 
 /// The first value in the full suite, else the second.
@@ -204,8 +218,17 @@ impl Suite {
 
 /// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
-    let _ =
-        (notice, directory, suite_step, by_suite::<()>, MeshData::placed, MeshData::corners, suites, GAPS);
+    let _ = (
+        notice,
+        directory,
+        suite_step,
+        emulator_step,
+        by_suite::<()>,
+        MeshData::placed,
+        MeshData::corners,
+        suites,
+        GAPS,
+    );
     let _ = (MeshData::bounds, MeshData::centre, Approach::at);
     let _ = Suite::poses::<fn(&[[f64; 4]; 3]) -> bool>;
     let _ = |suite: &Suite| suite.name;

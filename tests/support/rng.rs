@@ -62,7 +62,7 @@ impl Rng {
     }
 }
 
-/// CI emulates NEON: the longest tests take a quarter of the cases there, or fewer.
+/// CI emulates NEON: unit tests take a quarter of the cases there.
 pub(crate) const CASES_STEP: usize = if cfg!(target_arch = "aarch64") { 4 } else { 1 };
 
 /// Uses every helper once, so that tests that need only some of them compile without a warning.

@@ -326,8 +326,8 @@ fn a_long_build_shows_its_share_and_the_time_left() {
         let drawn = text.split("building ").filter_map(|part| part.split_once(" %, "));
         let share = |(before, after): (&str, &str)| {
             // Minutes, if the machine is busy.
-            let is_time = |(time, _): (&str, _)| time.ends_with(['s', 'm']);
-            assert!(after.split_once(" left").is_some_and(is_time), "{after}");
+            let number = after.split_once(" left").and_then(|(time, _)| time.strip_suffix(['s', 'm']));
+            assert!(number.is_some_and(|number| number.parse::<u32>().is_ok()), "{after}");
             before.rsplit(' ').next()?.parse().ok()
         };
         drawn.filter_map(share).collect()

@@ -5,9 +5,9 @@ use super::meshes::{
 };
 use super::oracle::{Oracle, Triangle};
 use crate::mesh_of;
-use crate::support::data::{MeshData, by_suite, suite_step};
+use crate::support::data::{MeshData, by_suite, emulator_step, suite_step};
 use crate::support::exact::meshes_meet;
-use crate::support::rng::{CASES_STEP, Rng};
+use crate::support::rng::Rng;
 use crate::support::shapes::{cuboid, scaled, separate, torus};
 use crate::support::turns::{pose, rotation};
 use simdop::construct::Builder;
@@ -91,7 +91,7 @@ fn check_bodies<N: Lanes>(mesh: &MeshData, count: usize, rng: &mut Rng, seen: &m
 fn bodies_are_hits_inside_and_on_caps() {
     let (mut rng, mut seen) = (Rng::new(6), [0; 4]);
     let [closed, open] = real_meshes();
-    let count = if cfg!(miri) { 2 } else { by_suite(800, 64 / CASES_STEP) };
+    let count = if cfg!(miri) { 2 } else { by_suite(800, 64 / emulator_step()) };
     for mesh in made().iter().chain(&made()) {
         check_bodies::<Node16<18>>(&cut(mesh, 12, &mut rng), count, &mut rng, &mut seen);
     }
