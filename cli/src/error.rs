@@ -6,6 +6,7 @@ use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{FormatError, NodeType, VerifyError};
 use simdop::mesh_io::{FileError, FilePlace};
 use simdop::packing::PackError;
+#[cfg(feature = "robot")]
 use simdop::planning::PlanningError;
 use std::path::PathBuf;
 
@@ -30,6 +31,7 @@ pub(crate) enum Error {
     /// A range search in a cloud fails.
     Search { name: String, error: SearchError },
     /// A robot cannot be loaded, placed or moved.
+    #[cfg(feature = "robot")]
     Planning(PlanningError),
     #[cfg(feature = "report")]
     /// All corners of a mesh coincide, so that it has no size to scale distances by.
@@ -42,7 +44,7 @@ pub(crate) enum Error {
     /// The node type of a tree differs from that of the other body, or from the options.
     OtherNode { name: String, has: NodeType, asked: NodeType },
     /// A command that this build does not include.
-    #[cfg(not(all(feature = "report", feature = "selftest")))]
+    #[cfg(not(all(feature = "report", feature = "robot", feature = "selftest")))]
     Feature(&'static str),
     /// A trial of the self-test cannot be run.
     #[cfg(feature = "selftest")]
@@ -96,6 +98,7 @@ impl fmt::Display for Error {
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::PointCloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
+            #[cfg(feature = "robot")]
             Self::Planning(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::NoSize { name } => {
@@ -109,7 +112,7 @@ impl fmt::Display for Error {
             Self::OtherNode { name, has, asked } => {
                 write!(f, "{name}: the tree has {has}, the query {asked}: `simdop build` makes another of it")
             }
-            #[cfg(not(all(feature = "report", feature = "selftest")))]
+            #[cfg(not(all(feature = "report", feature = "robot", feature = "selftest")))]
             Self::Feature(name) => write!(
                 f,
                 "`simdop {name}` needs the feature `{name}`: `cargo install --path cli --features {name}`"

@@ -19,12 +19,14 @@ mod patches;
 mod picture;
 mod poses;
 mod progress;
+#[cfg(any(feature = "report", feature = "robot"))]
 mod random;
 #[cfg(feature = "report")]
 mod report;
 #[cfg(test)]
 #[path = "../../tests/support/rng.rs"]
 mod rng;
+#[cfg(feature = "robot")]
 mod robot;
 #[cfg(feature = "selftest")]
 mod selftest;
@@ -103,7 +105,12 @@ enum Command {
     ///
     /// A free motion is free at all times, not only at samples, and a pair that never meets does not meet at any joint
     /// values. Meshes are .obj, .off, .ply or .stl. Without files: a built-in arm among boxes.
+    #[cfg(feature = "robot")]
     Robot(robot::Options),
+    /// Needs the feature `robot`: which configurations of a robot are valid, and which motions are free?
+    #[cfg(not(feature = "robot"))]
+    #[command(disable_help_flag = true)]
+    Robot(Absent),
     /// Which tree is the fastest for a mesh, and what does it cost in bytes and in tightness?
     ///
     /// Builds the mesh with many settings, queries all trees at the same poses, and writes a self-contained page of
@@ -133,7 +140,7 @@ enum Command {
 }
 
 /// The arguments of a command that this build does not include.
-#[cfg(not(all(feature = "report", feature = "selftest")))]
+#[cfg(not(all(feature = "report", feature = "robot", feature = "selftest")))]
 #[derive(Args, Debug)]
 struct Absent {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
@@ -315,7 +322,10 @@ fn main() -> ExitCode {
         Command::Volume(options) => volume::run(&options).map(|()| 0),
         Command::Depth(options) => depth::run(&options).map(|()| 0),
         Command::Near(options) => near::run(&options),
+        #[cfg(feature = "robot")]
         Command::Robot(options) => robot::run(&options).map(|()| 0),
+        #[cfg(not(feature = "robot"))]
+        Command::Robot(_) => Err(Error::Feature("robot")),
         #[cfg(feature = "report")]
         Command::Report(options) => report::run(&options).map(|()| 0),
         #[cfg(not(feature = "report"))]

@@ -1,9 +1,8 @@
-//! Progress of long work, on standard error: bars on a terminal, and for some work, lines in a log.
+//! Progress of long work: bars on standard error, if it is a terminal.
 
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
-use std::time::Instant;
 
 /// A spinner with a text, for a step of unknown length. Disappears when dropped.
 pub(super) fn step(text: String, quiet: bool) -> ProgressBar {
@@ -24,43 +23,6 @@ pub(super) fn bar(count: usize, unit: &str, quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// Time between two lines of a log.
-const EVERY: Duration = Duration::from_secs(10);
-
-/// A bar over `count` items on a terminal, and a line every ten seconds in a log.
-pub(super) struct Logged {
-    bar: ProgressBar,
-    unit: &'static str,
-    is_log: bool,
-    start: Instant,
-    last: Instant,
-}
-
-/// See [`Logged`].
-pub(super) fn logged(count: usize, unit: &'static str, quiet: bool) -> Logged {
-    let now = Instant::now();
-    let is_log = !quiet && !std::io::stderr().is_terminal();
-    Logged { bar: bar(count, unit, quiet), unit, is_log, start: now, last: now }
-}
-
-impl Logged {
-    /// Called after each item.
-    pub(super) fn inc(&mut self) {
-        self.bar.inc(1);
-        if self.is_log && self.last.elapsed() >= EVERY {
-            self.last = Instant::now();
-            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            eprintln!("{}", line(done, all, self.unit, self.start.elapsed()));
-        }
-    }
-}
-
-/// A line of a log. `done` is at least 1.
-fn line(done: u64, all: u64, unit: &str, passed: Duration) -> String {
-    let left = passed.as_secs_f64() * all.saturating_sub(done) as f64 / done as f64;
-    format!("{done}/{all} {unit}, {left:.0} s left")
 }
 
 /// A bar over a build, in levels of the tree: the first takes longest, and the others about equally long. Disappears
@@ -98,12 +60,6 @@ fn visible(bar: ProgressBar, quiet: bool) -> ProgressBar {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_of_a_log_say_what_is_left() {
-        assert_eq!(line(30, 120, "pairs", Duration::from_secs(20)), "30/120 pairs, 60 s left");
-        assert_eq!(line(120, 120, "pairs", Duration::from_secs(20)), "120/120 pairs, 0 s left");
-    }
 
     #[test]
     fn full_trees_have_so_many_levels() {

@@ -131,7 +131,7 @@ impl<'t> Line<'t> {
             let reach = 0.5 * a.diagonal();
             let within = |i: usize| [b.low[i] - reach, b.high[i] + reach];
             for i in [(which + 1) % 3, (which + 2) % 3] {
-                target[i] = random.configuration(&[within(i)])[0];
+                target[i] = random.between(within(i));
             }
             back = [0.0; 3];
             back[which % 3] = if which < 3 { 1.0 } else { -1.0 };

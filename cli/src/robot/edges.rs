@@ -1,9 +1,10 @@
 //! Checks straight motions of problems for hits, certified and sampled.
 
+use super::configurations::{anywhere, towards};
 use super::problems::Problem;
 use super::timing::{mean, median, timed};
 use super::world::World;
-use crate::random::{Random, towards};
+use crate::random::Random;
 use serde::Serialize;
 use simdop::planning::{PlanningError, RobotModel};
 use simdop::scene::MotionVerdict;
@@ -93,7 +94,7 @@ impl Edges {
         }
         let ends: Vec<_> = core::iter::once(&problem.start).chain(&problem.goals).collect();
         for from in ends.iter().cycle().take(count) {
-            let to = towards(from, &random.configuration(&model.robot().limits), LONGEST);
+            let to = towards(from, &anywhere(&model.robot().limits, random), LONGEST);
             self.kinds[1].ask([from, &to], world)?;
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! `simdop robot`.
 
+mod configurations;
 mod edges;
+mod logged;
 mod model;
 mod options;
 mod pair_classes;

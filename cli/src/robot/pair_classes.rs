@@ -1,8 +1,8 @@
 //! Classifies which bodies of a robot can meet, over all values of its joints, and compares the result with its SRDF.
 
+use super::logged::Logged;
 use super::model::moving_pairs;
 use crate::markup::escaped;
-use crate::progress;
 use serde::Serialize;
 use simdop::planning::{PlanningError, PlanningScene, RobotModel};
 use simdop::query::Query;
@@ -79,7 +79,7 @@ pub(super) fn ask(
         refuted: Vec::new(),
         matrix: Vec::new(),
     };
-    let mut bar = progress::logged(pairs.len(), "pairs", quiet);
+    let mut bar = Logged::new(pairs.len(), "pairs", quiet);
     let start = Instant::now();
     for (i, j) in pairs {
         let pair = (scene.links()[i], scene.links()[j]);

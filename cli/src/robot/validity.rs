@@ -1,5 +1,6 @@
 //! Is a configuration valid? Starts, goals and random configurations of problems.
 
+use super::configurations::anywhere;
 use super::problems::Problem;
 use super::timing::{mean, median, timed};
 use super::world::World;
@@ -77,7 +78,7 @@ impl Validity {
     ) -> Result<(), PlanningError> {
         self.one(number, 0, &problem.start, world)?;
         problem.goals.iter().try_for_each(|goal| self.one(number, 1, goal, world))?;
-        (0..RANDOM).try_for_each(|_| self.one(number, 2, &random.configuration(&model.robot().limits), world))
+        (0..RANDOM).try_for_each(|_| self.one(number, 2, &anywhere(&model.robot().limits, random), world))
     }
 
     fn one(

@@ -1,7 +1,7 @@
 //! A robot among the obstacles of a problem.
 
+use super::configurations::distance;
 use super::problems::Problem;
-use crate::random::distance;
 use core::num::NonZeroU32;
 use simdop::planning::{PlanSettings, PlannedPath, PlanningError, PlanningScene, RobotModel, Workspace};
 use simdop::query::Query;
