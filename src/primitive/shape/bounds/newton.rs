@@ -14,7 +14,7 @@
 //!
 //! Nothing here is certified.
 
-use super::place::{CorePoint, Displacement, Ways};
+use super::place::{CorePoint, Displacement, Way, Ways};
 use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, dot, sqrt};
@@ -39,6 +39,12 @@ const SHARES: usize = 4;
 
 /// A step that reaches a bound after a smaller share is not cut off there.
 const LEAST_SHARE: f64 = 0.01;
+
+/// Relative slopes of the distance below this are rounding.
+const FLATTEST: f64 = 1e-14;
+
+/// A step that reaches the boundary of any core, in units of half edges and radii.
+const ACROSS: f64 = 2.0;
 
 /// Unit vectors with a smaller product have different directions.
 const SAME: f64 = 0.999;
@@ -312,8 +318,17 @@ impl Newton {
         without(&self.normal, &ways[0].tangent)
     }
 
-    /// Newton's step, and whether it is for the distance instead of its square, without `g g^T`. Omits ways that depend
-    /// on earlier ones (`LDL^T`, skipping small pivots).
+    /// The step along a way that depends on earlier ones, which follow it: if the distance decreases by more than
+    /// rounding, beyond the boundary, where [`Newton::go_less`] ends it. Two faces that are nearly parallel are closest
+    /// at a boundary, and the square of their angle is below rounding.
+    #[cold]
+    fn across(&self, way: &Way, slope: f64, square: f64) -> f64 {
+        let least = FLATTEST * sqrt(square * dot(&self.between, &self.between));
+        if slope.abs() > least && !way.bends() { ACROSS.copysign(slope) } else { 0.0 }
+    }
+
+    /// Newton's step, and whether it is for the distance instead of its square, without `g g^T`. Ways that depend on
+    /// earlier ones (`LDL^T`, small pivots) have steps of their own.
     #[inline(always)]
     fn solve(&self, may_be_near: bool) -> ([f64; 6], bool) {
         let (list, n) = (&self.ways.list, self.ways.len);
@@ -354,12 +369,12 @@ impl Newton {
             if diagonal > least {
                 inverse[i] = 1.0 / diagonal;
             } else {
-                s[i] = 0.0;
+                s[i] = self.across(way, s[i], squares[i]);
             }
         }
         for i in (0..n).rev() {
-            s[i] *= inverse[i];
             if inverse[i] > 0.0 {
+                s[i] *= inverse[i];
                 for k in i + 1..n {
                     s[i] -= h[k][i] * s[k];
                 }
