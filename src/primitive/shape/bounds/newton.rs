@@ -318,17 +318,17 @@ impl Newton {
         without(&self.normal, &ways[0].tangent)
     }
 
-    /// The step along a way that depends on earlier ones, which follow it: if the distance decreases by more than
-    /// rounding, beyond the boundary, where [`Newton::go_less`] ends it. Two faces that are nearly parallel are closest
-    /// at a boundary, and the square of their angle is below rounding.
+    /// The step along a way that depends on earlier ones, which follow it. Two faces that are nearly parallel are
+    /// closest at a boundary, but the square of their angle is below rounding. So the step is longer than any core, and
+    /// [`Newton::go_less`] ends it at the boundary. Zero if the distance decreases by no more than rounding.
     #[cold]
     fn across(&self, way: &Way, slope: f64, square: f64) -> f64 {
         let least = FLATTEST * sqrt(square * dot(&self.between, &self.between));
         if slope.abs() > least && !way.bends() { ACROSS.copysign(slope) } else { 0.0 }
     }
 
-    /// Newton's step, and whether it is for the distance instead of its square, without `g g^T`. Ways that depend on
-    /// earlier ones (`LDL^T`, small pivots) have steps of their own.
+    /// Newton's step, and whether it is for the distance instead of its square, without `g g^T`. [`Newton::across`]
+    /// gives the steps of ways that depend on earlier ones (small pivots of `LDL^T`).
     #[inline(always)]
     fn solve(&self, may_be_near: bool) -> ([f64; 6], bool) {
         let (list, n) = (&self.ways.list, self.ways.len);

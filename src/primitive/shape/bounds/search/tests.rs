@@ -145,7 +145,8 @@ fn round_shapes_have_their_distances() {
     assert!(sure[0] * 100 > sure[1] * 95, "{sure:?}");
 }
 
-/// A turned by a small angle, in the frame of which B is, at a distance along an axis.
+/// Two shapes at a small distance along an axis of A. The axes of B are those of A, perhaps permuted, after a rotation
+/// by a small angle.
 fn nearly_parallel(kinds: [usize; 2], random: &mut Rng) -> [Shape; 2] {
     let frame = random.frame();
     let angle = libm::exp10(-random.range(4.0, 14.0));
@@ -163,8 +164,8 @@ fn nearly_parallel(kinds: [usize; 2], random: &mut Rng) -> [Shape; 2] {
     let (mut near, mut far) = (0.0, 2.0 * (magnitude(&a) + magnitude(&b)));
     for _ in 0..40 {
         let middle = 0.5 * (near + far);
-        *(if bounds(&at(middle), &b, f64::INFINITY, 1e-3).lower > gap { &mut far } else { &mut near }) =
-            middle;
+        let is_far = bounds(&at(middle), &b, f64::INFINITY, 1e-3).lower > gap;
+        (near, far) = if is_far { (near, middle) } else { (middle, far) };
     }
     [at(far), b]
 }
