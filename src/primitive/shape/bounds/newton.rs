@@ -201,13 +201,13 @@ impl Newton {
         self.go_less(pair, &by, step, lower)
     }
 
-    /// [`Newton::go`] where the full step does not reduce the distance: goes on if it raises the lower bound, and else
-    /// takes a part of it.
+    /// [`Newton::go`] where the full step does not reduce the distance: goes on if it certainly raises the lower bound,
+    /// and else takes a part of it.
     #[cold]
     #[inline(never)]
     fn go_less(&mut self, pair: &Operands, by: &[Displacement; 2], step: &[f64; 6], lower: f64) -> bool {
         let normal = self.predicted(step, 1.0);
-        if dot(&normal, &pair.support(&normal).0) > lower {
+        if dot(&normal, &pair.support(&normal).0) - pair.slack > lower {
             self.go_to(pair, self.moved(by, 1.0));
             self.normal = normal;
             return true;
@@ -223,7 +223,15 @@ impl Newton {
             }
             share *= 0.25;
         }
-        false
+        // A short way at its bound no longer shortens the step.
+        let (normal, places) = (self.predicted(step, most), self.moved(by, most));
+        let (of_a, between) = places.points(pair);
+        let square = dot(&self.between, &self.between) * (1.0 + 4.0 * f64::EPSILON);
+        let leads_on = most < LEAST_SHARE && dot(&between, &between) <= square;
+        if leads_on {
+            (self.places, self.of_a, self.between, self.normal) = (places, of_a, between, normal);
+        }
+        leads_on
     }
 
     /// The places after a share of a step.

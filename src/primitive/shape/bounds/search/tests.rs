@@ -216,6 +216,54 @@ fn nearly_parallel_faces_are_closest_at_an_edge() {
     }
 }
 
+/// Steps that a short way would stop at its bound, or that seem to raise a lower bound by less than its rounding.
+#[test]
+fn thin_or_nearly_parallel_shapes_are_closest_at_a_bound() {
+    let cylinder = |centre, half_axis, radius| Core::Cylinder { centre, half_axis, radius };
+    let segment = [
+        [-0.416664030772104, -0.15641759803190275, -0.07939174031639978],
+        [0.10122810203627164, 0.19716492600375785, 0.3797933448015919],
+    ];
+    let coin = [5.054562323475848e-7, 3.450948486643789e-7, 4.4815962645953055e-7];
+    let plate = [
+        [-0.14238726812013294, -0.0215085552384801, -0.27856205848291865],
+        [-0.39945225607341406, 0.7913342132951988, 0.14307928389465932],
+        [4.900344271948617e-7, 2.9679359308153244e-7, -2.733978388122145e-7],
+    ];
+    let beside = [-0.9529872647859474, 1.9059628786327827, 0.34540830120832994];
+    let block = [
+        [-0.10921105638630785, -0.01649706515049355, -0.21365714138319505],
+        [-0.13756203490802804, 0.27251703556074314, 0.049273166309988736],
+        [0.5891088004511171, 0.3567988449378687, -0.3286729746531249],
+    ];
+    let wide = cylinder(
+        [0.0; 3],
+        [-0.15054011215335494, 0.5231121507898406, 0.6831721667427818],
+        0.9665045436398354,
+    );
+    let narrow = cylinder(
+        [-0.5543388999847418, 1.2854536272276853, 1.5174577617406677],
+        [-0.02505628850563591, 0.08706814937116555, 0.1137089554709378],
+        0.7111086705019131,
+    );
+    let pairs = [
+        [
+            (Core::Segment(segment), 6.033580725973492e-7),
+            (cylinder([0.0; 3], coin, 0.20867003620978658), 0.0),
+        ],
+        [
+            (Core::Cuboid { centre: [0.0; 3], half: plate }, 0.9515809299719421),
+            (Core::Cuboid { centre: beside, half: block }, 0.0),
+        ],
+        [(wide, 0.9292931066653006), (narrow, 0.10392807971259588)],
+    ];
+    for pair in pairs {
+        let [a, b] = pair.map(|(core, radius)| Shape::new(core, radius).unwrap());
+        check(&a, &b, power_of_two(-42), 4);
+        check(&b, &a, power_of_two(-42), 4);
+    }
+}
+
 /// Two shapes of which A came from a random direction, until the distance is below 2^-15. `None` if it passes B.
 fn approach(kinds: [usize; 2], random: &mut Rng) -> Option<[Shape; 2]> {
     let [[x, frame @ ..], other] = [random.frame(), random.frame()];
