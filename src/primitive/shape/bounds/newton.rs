@@ -150,7 +150,9 @@ impl Newton {
         }
         let (step, is_near) = self.solve(true);
         // The distance of shapes that overlap has no second derivative where it vanishes; its square has one.
-        self.go(pair, &step, lower) || is_near && self.go_far(pair, lower) || self.project(pair)
+        self.go(pair, &step, lower)
+            || is_near && (self.go_far(pair, lower) || self.go_to_bound(pair, &step))
+            || self.project(pair)
     }
 
     /// Alternating projections never increase the distance; a step that is clamped at the boundaries may. The normal
@@ -186,10 +188,7 @@ impl Newton {
     #[inline(always)]
     fn go(&mut self, pair: &Operands, step: &[f64; 6], lower: f64) -> bool {
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let mut by = [Displacement::NONE; 2];
-        for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
-            by[usize::from(i >= self.count)].add(way, step[i]);
-        }
+        let by = self.displacements(step);
         let normal = self.predicted(step, 1.0);
         if self.approaches(pair, self.moved(&by, 1.0)) {
             self.normal = normal;
@@ -213,7 +212,7 @@ impl Newton {
             return true;
         }
         // Up to the first bound that a coordinate reaches: then that coordinate is fixed.
-        let most = self.places.a.share_to_bound(&by[0]).min(self.places.b.share_to_bound(&by[1]));
+        let most = self.share_to_bound(by);
         let mut share = if most < 1.0 && most > LEAST_SHARE { most } else { 0.25 };
         for _ in 0..SHARES {
             let normal = self.predicted(step, share);
@@ -223,15 +222,38 @@ impl Newton {
             }
             share *= 0.25;
         }
-        // A short way at its bound no longer shortens the step.
-        let (normal, places) = (self.predicted(step, most), self.moved(by, most));
+        false
+    }
+
+    /// Goes up to the first bound that a coordinate reaches after a small share of a step, unless that increases the
+    /// distance: a short way at its bound no longer shortens the next step.
+    #[cold]
+    #[inline(never)]
+    fn go_to_bound(&mut self, pair: &Operands, step: &[f64; 6]) -> bool {
+        let by = self.displacements(step);
+        let share = self.share_to_bound(&by);
+        let (normal, places) = (self.predicted(step, share), self.moved(&by, share));
         let (of_a, between) = places.points(pair);
         let square = dot(&self.between, &self.between) * (1.0 + 4.0 * f64::EPSILON);
-        let leads_on = most < LEAST_SHARE && dot(&between, &between) <= square;
+        let leads_on = share < LEAST_SHARE && dot(&between, &between) <= square;
         if leads_on {
             (self.places, self.of_a, self.between, self.normal) = (places, of_a, between, normal);
         }
         leads_on
+    }
+
+    #[inline(always)]
+    fn displacements(&self, step: &[f64; 6]) -> [Displacement; 2] {
+        let mut by = [Displacement::NONE; 2];
+        for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
+            by[usize::from(i >= self.count)].add(way, step[i]);
+        }
+        by
+    }
+
+    #[inline(always)]
+    fn share_to_bound(&self, by: &[Displacement; 2]) -> f64 {
+        self.places.a.share_to_bound(&by[0]).min(self.places.b.share_to_bound(&by[1]))
     }
 
     /// The places after a share of a step.

@@ -216,7 +216,8 @@ fn nearly_parallel_faces_are_closest_at_an_edge() {
     }
 }
 
-/// Steps that a short way would stop at its bound, or that seem to raise a lower bound by less than its rounding.
+/// Steps that a short way would stop at its bound, or that raise a lower bound by less than its rounding; and a flat
+/// tetrahedron of GJK that seems to contain the origin.
 #[test]
 fn thin_or_nearly_parallel_shapes_are_closest_at_a_bound() {
     let cylinder = |centre, half_axis, radius| Core::Cylinder { centre, half_axis, radius };
@@ -246,6 +247,16 @@ fn thin_or_nearly_parallel_shapes_are_closest_at_a_bound() {
         [-0.02505628850563591, 0.08706814937116555, 0.1137089554709378],
         0.7111086705019131,
     );
+    let above = cylinder(
+        [0.0; 3],
+        [-0.08165919858550016, 0.17908665783328112, 0.10650950038549606],
+        0.5290105490862536,
+    );
+    let below = cylinder(
+        [-0.2185233170994238, -0.8116186830824301, 1.2313400961521885],
+        [-0.34792056699278984, 0.7630240365548601, 0.45379879143238105],
+        0.9535453458598453,
+    );
     let pairs = [
         [
             (Core::Segment(segment), 6.033580725973492e-7),
@@ -256,6 +267,7 @@ fn thin_or_nearly_parallel_shapes_are_closest_at_a_bound() {
             (Core::Cuboid { centre: beside, half: block }, 0.0),
         ],
         [(wide, 0.9292931066653006), (narrow, 0.10392807971259588)],
+        [(above, 0.0), (below, 0.0)],
     ];
     for pair in pairs {
         let [a, b] = pair.map(|(core, radius)| Shape::new(core, radius).unwrap());
