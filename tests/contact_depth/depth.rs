@@ -1,7 +1,7 @@
 //! Depths: known ones of boxes and convex bodies, and bounds against sampled translations.
 
 use crate::support::data::MeshData;
-use crate::support::data::suite_step;
+use crate::support::data::{emulator_step, suite_step};
 use crate::support::rng::Rng;
 use crate::support::shapes::{torus, wavy_torus};
 use crate::support::turns::pose;
@@ -110,7 +110,7 @@ fn no_shorter_translation_is_free() {
     let packed = meshes.each_ref().map(|mesh| packing(mesh, 200));
     let query = Query::new(Isa::detect());
     let (mut deep, mut known) = (0, 0);
-    for round in 0..24 / suite_step() {
+    for round in 0..24_usize.div_ceil(emulator_step() * suite_step().min(2)) {
         let [i, j] = [(0, 1), (0, 0), (1, 2), (0, 2)][round % 4].into();
         let at = pose(&rng.rotation(), [(); 3].map(|()| rng.range(-1.5, 1.5)));
         let packings = Packings { a: packed[i].view(), b: packed[j].view() };
@@ -122,7 +122,7 @@ fn no_shorter_translation_is_free() {
         }
         deep += 1;
         known += u32::from(found.lower > 0.2 * found.upper);
-        for _ in 0..1500 {
+        for _ in 0..1500 / suite_step() {
             let along = rng.rotation()[0];
             // Most samples are near the bound.
             let far = found.lower * (1.0 - 1e-12) * rng.unit().powf(0.1);

@@ -168,6 +168,36 @@ fn bounds_of_different_kinds_hold_for_sampled_translations() {
     }
 }
 
+/// A capsule whose axis is above a block, solid or a surface.
+#[test]
+fn a_sunk_capsule_is_as_deep_as_its_lowest_point() {
+    let mut rng = Rng::new(55);
+    let mesh = grid_box([-2.0; 3], [2.0; 3], 2);
+    let block = solid(&mesh);
+    let surface =
+        Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+    let (radius, height) = (0.4, 0.8);
+    let capsule = Body::from(Shape::capsule(radius, height).unwrap());
+    for body in [Body::from(block.view()), Body::from(surface.view())] {
+        let mut known = 0;
+        for _ in 0..12 {
+            let (rotation, sunk) = (rng.rotation(), rng.range(0.05, 0.35));
+            let lowest = radius + 0.5 * height * rotation[2][2].abs();
+            let at = pose(&rotation, [rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 2.0 - sunk + lowest]);
+            // Without a way out, the lower bound alone is known.
+            for budget in [5, 10, 20, 40, 80, 200] {
+                let query = Query::new(Isa::detect()).with_budget(budget);
+                let found = capsule.depth(&query, &body, &at).unwrap();
+                assert!(found.lower <= sunk * (1.0 + 1e-9), "{budget}: {sunk} {found:?}");
+                assert!(found.upper >= sunk * (1.0 - 1e-9), "{budget}: {sunk} {found:?}");
+            }
+            let found = depth(&capsule, &body, &at, 20, &mut rng);
+            known += usize::from(found.lower > 0.5 * sunk && found.upper < 1.1 * sunk);
+        }
+        assert!(known > 9, "{known}");
+    }
+}
+
 /// A ball in a cube and in another ball, against closed forms, at every budget, also where no way out is known yet.
 #[test]
 fn a_ball_is_as_deep_as_it_has_to_go() {
