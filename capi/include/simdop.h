@@ -754,7 +754,7 @@ typedef struct {
    */
   double upper;
   /**
-   * After this translation, in B's frame, A is free.
+   * After this translation, in B's frame, A is free. Zeros if none was found.
    */
   double translation[3];
   /**

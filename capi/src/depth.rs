@@ -20,7 +20,7 @@ pub struct simdop_depth_answer {
     /// The length of `translation`, rounded up. Zero if and only if the bodies are free; infinite if the budget was
     /// spent before any translation was found.
     pub upper: f64,
-    /// After this translation, in B's frame, A is free.
+    /// After this translation, in B's frame, A is free. Zeros if none was found.
     pub translation: [f64; 3],
     /// Query statistics.
     pub stats: simdop_query_stats,

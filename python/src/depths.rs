@@ -31,7 +31,8 @@ impl PyDepth {
         self.0.values(py, |found| found.upper)
     }
 
-    /// After this translation of A, in the frame of B, the bodies are free, or touch up to rounding.
+    /// After this translation of A, in the frame of B, the bodies are free, or touch up to rounding. Zeros if none was
+    /// found.
     #[getter]
     fn translation(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.0.rows(py, |found| found.translation)

@@ -190,6 +190,11 @@ fn a_sunk_capsule_is_as_deep_as_its_lowest_point() {
                 let found = capsule.depth(&query, &body, &at).unwrap();
                 assert!(found.lower <= sunk * (1.0 + 1e-9), "{budget}: {sunk} {found:?}");
                 assert!(found.upper >= sunk * (1.0 - 1e-9), "{budget}: {sunk} {found:?}");
+                assert_eq!(
+                    found.upper < f64::INFINITY,
+                    length(&found.translation) > 0.0,
+                    "{budget}: {found:?}"
+                );
             }
             let found = depth(&capsule, &body, &at, 20, &mut rng);
             known += usize::from(found.lower > 0.5 * sunk && found.upper < 1.1 * sunk);

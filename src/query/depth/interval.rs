@@ -19,7 +19,8 @@ pub struct DepthInterval {
     /// budget was spent before any translation was found.
     pub upper: f64,
     /// After this translation, in B's frame and added to the pose's translation,
-    /// [`Query::collide`](crate::query::Query::collide) finds the bodies to be free.
+    /// [`Query::collide`](crate::query::Query::collide) finds the bodies to be free. Zero if the bodies are free, or if
+    /// the budget was spent before any was found.
     pub translation: Point,
     /// [`Completion::OutOfBudget`] if the search was cut short. The bounds are valid in either case.
     pub completion: Completion,

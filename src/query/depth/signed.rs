@@ -121,7 +121,8 @@ impl SignedDistance {
     /// The depth: zero where the bodies are apart. The translation is along the normal.
     pub fn depth(&self) -> DepthInterval {
         let [lower, upper] = [-self.upper, -self.lower].map(|x| if x > 0.0 { x } else { 0.0 });
-        let translation = self.normal.map(|x| if upper > 0.0 { x * upper } else { 0.0 });
+        let has_way_out = upper > 0.0 && upper < f64::INFINITY;
+        let translation = self.normal.map(|x| if has_way_out { x * upper } else { 0.0 });
         DepthInterval { lower, upper, translation, completion: self.completion, stats: self.stats }
     }
 
