@@ -6,6 +6,12 @@ use super::support::each;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, sqrt};
 
+/// Corrections of a point that should be the origin.
+const CORRECTIONS: usize = 2;
+
+/// The corners of each face of a tetrahedron, and the opposite corner.
+const FACES: [[usize; 4]; 4] = [[1, 2, 3, 0], [0, 2, 3, 1], [0, 1, 3, 2], [0, 1, 2, 3]];
+
 /// A simplex of points of the difference A - B.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Simplex {
@@ -88,8 +94,29 @@ impl Simplex {
         NearestOfSimplex { point, of_a: on_a, direction, inside: false }
     }
 
+    /// The weights of corners of a needle are inaccurate, and its length multiplies their error. What is left of the
+    /// combination corrects them.
     #[cold]
     fn inside(&self, weights: &[f64; 4]) -> NearestOfSimplex {
+        let mut weights = *weights;
+        let mut found = self.combination(&weights);
+        for _ in 0..CORRECTIONS {
+            let p = &self.points;
+            for [i, j, k, l] in FACES {
+                let normal = cross(&difference(&p[j], &p[i]), &difference(&p[k], &p[i]));
+                let inner = dot(&normal, &difference(&p[l], &p[i]));
+                let rest = dot(&normal, &found.point) / inner;
+                weights[l] = if rest.is_finite() { (weights[l] - rest).max(0.0) } else { weights[l] };
+            }
+            let next = self.combination(&weights);
+            if dot(&next.point, &next.point) < dot(&found.point, &found.point) {
+                found = next;
+            }
+        }
+        found
+    }
+
+    fn combination(&self, weights: &[f64; 4]) -> NearestOfSimplex {
         let sum = weights.iter().sum::<f64>();
         let (mut point, mut on_a) = ([0.0; 3], [0.0; 3]);
         for (i, weight) in weights.iter().map(|x| x / sum).enumerate() {
@@ -206,7 +233,7 @@ fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> SimplexPoint {
 fn on_tetrahedron(p: &[Point; 4]) -> Result<SimplexPoint, [f64; 4]> {
     let mut best: Option<SimplexPoint> = None;
     let mut weights = [0.0; 4];
-    for [i, j, k, l] in [[1, 2, 3, 0], [0, 2, 3, 1], [0, 1, 3, 2], [0, 1, 2, 3]] {
+    for [i, j, k, l] in FACES {
         let normal = cross(&difference(&p[j], &p[i]), &difference(&p[k], &p[i]));
         let origin = -dot(&normal, &p[i]);
         let inner = dot(&normal, &difference(&p[l], &p[i]));

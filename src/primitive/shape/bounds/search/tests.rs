@@ -92,6 +92,10 @@ fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Certified {
     found
 }
 
+fn scaled_by(v: &Point, by: f64) -> Point {
+    v.map(|x| x * by)
+}
+
 /// A, moved so that the two touch up to rounding, or nearly.
 fn touching(a: &Shape, found: &Certified, random: &mut Rng) -> Shape {
     let share = 1.0 + [0.0, 0.0, 1e-15, 1e-12, -1e-15, -1e-9, 1e-6][random.below(7) as usize];
@@ -274,6 +278,34 @@ fn thin_or_nearly_parallel_shapes_are_closest_at_a_bound() {
         check(&a, &b, power_of_two(-42), 4);
         check(&b, &a, power_of_two(-42), 4);
     }
+}
+
+/// The tetrahedron that contains the common point of a long and a flat shape is a needle.
+#[test]
+fn long_and_flat_shapes_have_common_points() {
+    let mut random = Rng::new(14);
+    let mut common = 0;
+    for _ in 0..20 * PAIRS {
+        let [[long, ..], [flat, ..]] = [random.frame(), random.frame()];
+        let half_axis = scaled_by(&long, libm::exp10(random.range(4.0, 6.5)));
+        let (far, aside) = (random.range(-0.5, 0.5), random.vector(0.9));
+        let centre: Point = [0, 1, 2].map(|k| far * half_axis[k] + aside[k]);
+        let a = Core::Cylinder { centre, half_axis, radius: random.range(0.3, 1.0) };
+        let b = Core::Cone { base: [0.0; 3], axis: scaled_by(&flat, 3e-7), radius: random.range(0.3, 1.0) };
+        let [a, b] = [a, b].map(|core| Shape::new(core, 0.0).unwrap());
+        for (a, b) in [(a, b), (b, a)] {
+            let found = bounds(&a, &b, f64::INFINITY, 0.5);
+            if found.upper == 0.0 {
+                let apart = length(&minus(&exact(&found.a), &exact(&found.b))).0;
+                assert!(
+                    apart <= power_of_two(-27) * magnitude(&a).max(magnitude(&b)),
+                    "{a:?} {b:?} {found:?}"
+                );
+                common += 1;
+            }
+        }
+    }
+    assert!(common > 20 * PAIRS, "{common}");
 }
 
 /// Two shapes of which A came from a random direction, until the distance is below 2^-15. `None` if it passes B.
