@@ -98,10 +98,10 @@ impl Simplex {
     /// combination corrects them.
     #[cold]
     fn inside(&self, weights: &[f64; 4]) -> NearestOfSimplex {
+        let p = &self.points;
         let mut weights = *weights;
         let mut found = self.combination(&weights);
         for _ in 0..CORRECTIONS {
-            let p = &self.points;
             for [i, j, k, l] in FACES {
                 let normal = cross(&difference(&p[j], &p[i]), &difference(&p[k], &p[i]));
                 let inner = dot(&normal, &difference(&p[l], &p[i]));
@@ -109,9 +109,11 @@ impl Simplex {
                 weights[l] = if rest.is_finite() { (weights[l] - rest).max(0.0) } else { weights[l] };
             }
             let next = self.combination(&weights);
-            if dot(&next.point, &next.point) < dot(&found.point, &found.point) {
-                found = next;
+            let is_nearer = dot(&next.point, &next.point) < dot(&found.point, &found.point);
+            if !is_nearer {
+                break;
             }
+            found = next;
         }
         found
     }
