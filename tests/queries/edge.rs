@@ -320,6 +320,28 @@ fn a_wall_across_is_met_wherever_it_stands() {
     }
 }
 
+/// Both are moved, by joints of their own.
+#[test]
+fn a_wall_that_comes_nearer_is_met_wherever_it_starts() {
+    let (ball, wall) = (point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
+    let joints = [0, 1]
+        .map(|value| Joint::new(JointKind::Prismatic, 0, Pose::IDENTITY, [1.0, 0.0, 0.0], value).unwrap());
+    let bodies = [1, 2].map(|link| LinkBody { link, at: Pose::IDENTITY });
+    let robot = Kinematics::new(&joints, &bodies, &[[-4.0, 4.0]; 2]).unwrap();
+    let mut scene = Scene::new();
+    let ids = [Body::new(ball.view()).with_radius(1e-3), Body::new(wall.view())]
+        .map(|body| scene.insert(body, &Pose::IDENTITY).unwrap());
+    for i in -19..=19 {
+        let x = 0.1 * f64::from(i) + 0.003;
+        let (mut values, mut links) = ([0.0; 2], [LinkFrame::EMPTY; 3]);
+        let ends: [&[f64]; 2] = [&[-2.0, x], &[0.0, x - 2.0]];
+        let mut motion = JointMotion::new(robot, ends, &mut values, &mut links).unwrap();
+        let answer = edge(&mut scene, &Query::new(Isa::detect()), &ids, &mut motion, 64);
+        let MotionVerdict::Hit { time, .. } = answer.verdict else { panic!("{x}: {answer:?}") };
+        assert!((4.0 * time - 2.0 - x).abs() < 2e-3, "{x}: {time}");
+    }
+}
+
 /// The data that one motion leaves in a scene does not affect the next: a long motion through a wall follows a short
 /// one beside it, which is certified whole or in parts.
 #[test]
