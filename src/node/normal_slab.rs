@@ -5,6 +5,8 @@
 //! that k-DOPs do not.
 
 use crate::exact::power_of_two;
+#[cfg(feature = "alloc")]
+use crate::key::{Half, Storage};
 use crate::range::Point;
 
 /// The slab of a child along a direction of its own, in 64 bits.
@@ -99,11 +101,7 @@ impl NormalSlab {
         if thickness.is_nan() || thickness < 0.0 {
             return Self::EVERYWHERE;
         }
-        let nearest = half::f16::from_f64(thickness);
-        // The code after the largest finite one is infinity, as required.
-        let is_below = nearest.to_f64() < thickness;
-        let thickness = nearest.to_bits() + u16::from(is_below);
-        Self(direction.0 | u64::from(thickness) << 24 | (steps as u64) << 40)
+        Self(direction.0 | (Half::round_up(thickness) as u64) << 24 | (steps as u64) << 40)
     }
 
     /// The maximum error of the ends that a slab is made from: far less than a step.
