@@ -8,7 +8,7 @@ use crate::mesh_of;
 use crate::support::data::{MeshData, by_suite, emulator_step, suite_step};
 use crate::support::exact::meshes_meet;
 use crate::support::rng::Rng;
-use crate::support::shapes::{cuboid, scaled, separate, torus};
+use crate::support::shapes::{append, cuboid, scaled, separate, torus};
 use crate::support::turns::{pose, rotation};
 use simdop::construct::Builder;
 use simdop::hierarchy::Bvh;
@@ -145,8 +145,10 @@ fn bodies_are_hits_inside_and_on_caps() {
 #[test]
 fn what_is_beside_a_cap_is_named() {
     let query = Query::new(Isa::detect());
-    for shift in 0..10 {
-        let mut mesh = open_cube();
+    // With other triangles, the order of leaves is not that of the mesh.
+    let mut more = open_cube();
+    append(&mut more, &scaled(&ball(2, false), 0.1, [-4.0, 0.0, 0.0]));
+    for (mut mesh, shift) in (0..10).flat_map(|shift| [(open_cube(), shift), (more.clone(), shift)]) {
         mesh.triangles.rotate_left(shift);
         let tree = capped::<Node16<18>>(&mesh);
         let is_at_hole = |index: u32| {
