@@ -16,8 +16,8 @@ pub(super) struct Options {
     /// The tree to write. An existing file is replaced atomically, once the tree is complete.
     #[arg(short, long, required_unless_present = "picture")]
     output: Option<File>,
-    /// An image to write, .svg or .png by its extension: the mesh, each triangle coloured by the child of the root that
-    /// holds it.
+    /// An image to write, .svg or (with the feature `png`) .png by its extension: the mesh, each triangle coloured by
+    /// the child of the root that holds it.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     /// Fill the solid with this many spheres, and write them into the tree, so that `simdop depth` finds lower bounds

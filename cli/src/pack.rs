@@ -36,8 +36,8 @@ pub(super) struct Options {
     /// complete.
     #[arg(short, long)]
     output: File,
-    /// An image to write, .svg or .png by its extension: the spheres, each coloured by the child of their tree's root
-    /// that contains it.
+    /// An image to write, .svg or (with the feature `png`) .png by its extension: the spheres, each coloured by the
+    /// child of their tree's root that contains it.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     /// Print one JSON object instead of a table.

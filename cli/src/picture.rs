@@ -9,7 +9,9 @@ use simdop::hierarchy::{AnyBvh, BvhRef};
 use simdop::node::Node16;
 use simdop::primitive::{Sphere, Spheres};
 use std::path::Path;
-use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
+
+#[cfg(feature = "png")]
+mod png;
 
 type Vector = [f64; 3];
 
@@ -24,6 +26,7 @@ const TILT: f64 = 0.25;
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Format {
     Svg,
+    #[cfg(feature = "png")]
     Png,
 }
 
@@ -31,13 +34,16 @@ impl Format {
     /// The format by the file's extension.
     pub(super) fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        let problem = |problem| {
+            Err(Error::Option { option: "--picture", problem: format!("{}: {problem}", path.display()) })
+        };
         match extension.as_str() {
             "svg" => Ok(Self::Svg),
+            #[cfg(feature = "png")]
             "png" => Ok(Self::Png),
-            _ => {
-                let problem = format!("{}: a picture's name ends in .svg or .png", path.display());
-                Err(Error::Option { option: "--picture", problem })
-            }
+            #[cfg(not(feature = "png"))]
+            "png" => problem("needs the feature `png`: `cargo install --path cli --features png`"),
+            _ => problem("a picture's name ends in .svg or .png"),
         }
     }
 }
@@ -72,7 +78,8 @@ fn image(mut parts: Vec<Part>, camera: &Camera, title: &str, format: Format) -> 
     let size = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
     match format {
         Format::Svg => svg(&parts, size, title).into_bytes(),
-        Format::Png => png(&parts, size),
+        #[cfg(feature = "png")]
+        Format::Png => png::image(&parts, size),
     }
 }
 
@@ -103,42 +110,6 @@ fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
         };
     }
     text + "</svg>\n"
-}
-
-fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
-    // Neither side is zero; each is at most the longer side plus two margins.
-    let [width, height] = size.map(|pixels| pixels.round() as u32);
-    let mut image = Pixmap::new(width, height).expect("a size that memory has room for");
-    image.fill(Color::WHITE);
-    let mut paint = Paint { anti_alias: false, ..Paint::default() };
-    let still = Transform::identity();
-    for Part { outline, colour: [r, g, b], .. } in parts {
-        paint.set_color_rgba8(*r, *g, *b, u8::MAX);
-        match outline {
-            Outline::Triangle(corners) => {
-                let [p, q, s] = corners.map(|corner| corner.map(|x| x as f32));
-                let mut path = PathBuilder::new();
-                path.move_to(p[0], p[1]);
-                path.line_to(q[0], q[1]);
-                path.line_to(s[0], s[1]);
-                path.close();
-                // A triangle seen edge-on has no outline.
-                if let Some(path) = path.finish() {
-                    image.fill_path(&path, &paint, FillRule::Winding, still, None);
-                }
-            }
-            Outline::Disc { centre: [x, y], radius } => {
-                // A point has no outline either.
-                if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
-                    image.fill_path(&path, &paint, FillRule::Winding, still, None);
-                    let [r, g, b] = rim([*r, *g, *b]);
-                    paint.set_color_rgba8(r, g, b, u8::MAX);
-                    image.stroke_path(&path, &paint, &Stroke::default(), still, None);
-                }
-            }
-        }
-    }
-    image.encode_png().expect("an image in memory can be encoded")
 }
 
 /// Looks along the axis in which the mesh is thinnest.
