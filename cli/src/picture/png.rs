@@ -1,6 +1,6 @@
 //! Pictures as PNG files.
 
-use super::{Outline, Part, rim};
+use super::parts::{Outline, Part, rim};
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 pub(super) fn image(parts: &[Part], size: [f64; 2]) -> Vec<u8> {

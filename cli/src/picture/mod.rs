@@ -3,15 +3,17 @@
 
 use super::body;
 use super::error::Error;
-use super::markup::escaped;
-use core::fmt::Write;
 use simdop::hierarchy::{AnyBvh, BvhRef};
 use simdop::node::Node16;
 use simdop::primitive::{Sphere, Spheres};
 use std::path::Path;
 
+mod parts;
 #[cfg(feature = "png")]
 mod png;
+mod svg;
+
+use parts::{Outline, Part};
 
 type Vector = [f64; 3];
 
@@ -52,7 +54,7 @@ impl Format {
 pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::clusters(tree);
     let camera = Camera::for_balls(clusters.iter().flat_map(|(_, t)| t).map(|p| (*p, 0.0)));
-    let parts = clusters.iter().map(|(lane, t)| Part::of_triangle(&camera, *lane, t)).collect();
+    let parts = clusters.iter().map(|(lane, t)| part_of_triangle(&camera, *lane, t)).collect();
     image(parts, &camera, title, format)
 }
 
@@ -77,39 +79,10 @@ fn image(mut parts: Vec<Part>, camera: &Camera, title: &str, format: Format) -> 
     parts.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     let size = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
     match format {
-        Format::Svg => svg(&parts, size, title).into_bytes(),
+        Format::Svg => svg::image(&parts, size, title).into_bytes(),
         #[cfg(feature = "png")]
         Format::Png => png::image(&parts, size),
     }
-}
-
-fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
-    let mut text = String::new();
-    // Writing to a string does not fail.
-    let _ = write!(
-        text,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" \
-         shape-rendering=\"crispEdges\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-        escaped(title)
-    );
-    for Part { outline, colour: [r, g, b], .. } in parts {
-        let _ = match outline {
-            Outline::Triangle([[ax, ay], [bx, by], [cx, cy]]) => writeln!(
-                text,
-                "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"M{ax:.1} {ay:.1}L{bx:.1} {by:.1}L{cx:.1} {cy:.1}z\"/>"
-            ),
-            Outline::Disc { centre: [x, y], radius } => {
-                let [s, t, u] = rim([*r, *g, *b]);
-                writeln!(
-                    text,
-                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" \
-                     cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
-                )
-            }
-        };
-    }
-    text + "</svg>\n"
 }
 
 /// Looks along the axis in which the mesh is thinnest.
@@ -160,41 +133,19 @@ impl Camera {
     }
 }
 
-/// A triangle or a sphere to paint.
-struct Part {
-    /// Position along the axis to the viewer.
-    depth: f64,
-    outline: Outline,
-    colour: [u8; 3],
-}
-
-/// An outline in pixels.
-enum Outline {
-    Triangle([[f64; 2]; 3]),
-    Disc { centre: [f64; 2], radius: f64 },
-}
-
-/// The colour of a disc's edge.
-fn rim(colour: [u8; 3]) -> [u8; 3] {
-    colour.map(|x| x / 2)
-}
-
-impl Part {
-    fn of_triangle(camera: &Camera, lane: usize, triangle: &[Vector; 3]) -> Self {
-        let [a, b, c] = triangle;
-        let (u, v): (Vector, Vector) =
-            (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
-        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let length = dot(&normal, &normal).sqrt();
-        // Lit from behind the viewer's left shoulder, on both sides: the orientation of triangles is not guaranteed.
-        let light: Vector =
-            core::array::from_fn(|i| camera.back[i] - 0.5 * camera.right[i] + 0.5 * camera.up[i]);
-        let facing = dot(&normal, &light).abs() / (length * dot(&light, &light).sqrt());
-        let shade = if length > 0.0 { 0.45 + 0.55 * facing } else { 1.0 };
-        let depth = triangle.iter().map(|p| dot(&camera.back, p)).sum::<f64>();
-        let colour = colour(lane).map(|x| (x * shade * 255.0) as u8);
-        Self { depth, outline: Outline::Triangle(triangle.each_ref().map(|p| camera.project(p))), colour }
-    }
+fn part_of_triangle(camera: &Camera, lane: usize, triangle: &[Vector; 3]) -> Part {
+    let [a, b, c] = triangle;
+    let (u, v): (Vector, Vector) =
+        (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = dot(&normal, &normal).sqrt();
+    // Lit from behind the viewer's left shoulder, on both sides: the orientation of triangles is not guaranteed.
+    let light: Vector = core::array::from_fn(|i| camera.back[i] - 0.5 * camera.right[i] + 0.5 * camera.up[i]);
+    let facing = dot(&normal, &light).abs() / (length * dot(&light, &light).sqrt());
+    let shade = if length > 0.0 { 0.45 + 0.55 * facing } else { 1.0 };
+    let depth = triangle.iter().map(|p| dot(&camera.back, p)).sum::<f64>();
+    let colour = colour(lane).map(|x| (x * shade * 255.0) as u8);
+    Part { depth, outline: Outline::Triangle(triangle.each_ref().map(|p| camera.project(p))), colour }
 }
 
 /// Hues a golden angle apart, so that neighbouring lanes differ; every second turn of the circle is paler.
