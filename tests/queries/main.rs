@@ -36,6 +36,7 @@ macro_rules! for_each_node {
 }
 
 mod allocations;
+mod any;
 mod assignments;
 mod balls;
 mod caps;
@@ -45,6 +46,7 @@ mod digests;
 mod distance;
 mod edge;
 mod far;
+mod forms;
 mod hierarchy;
 mod hints;
 mod many;
@@ -52,7 +54,6 @@ mod mesh_poses;
 mod motion;
 mod normal_slabs;
 mod order;
-mod owned_and_any;
 mod penetration;
 mod primitive_slabs;
 mod primitives;
