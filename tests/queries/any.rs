@@ -1,7 +1,7 @@
 //! Trees whose node type is known only at run time.
 //!
 //! With the feature `all-nodes`, which the command's tests enable, each query here is compiled for eight node types,
-//! which would take a third of this program's compile time. Then only `.ci/sweep nodes` has these tests, and on each
+//! which would take a sixth of this program's compile time. Then only `.ci/sweep nodes` has these tests, and on each
 //! commit CI runs them in the emulator, without that feature. The command's tests query all eight.
 #![cfg(any(not(feature = "all-nodes"), simdop_all_nodes))]
 
