@@ -132,6 +132,7 @@ mod tests {
     use crate::key::{Fixed, Half};
     use crate::pose::Pose;
     use crate::primitive::{Lattice, Triangles};
+    use crate::range::Point;
     use crate::realign::planes_of;
     use crate::rng::{CASES_STEP, Rng};
 
@@ -200,6 +201,27 @@ mod tests {
         // Half floats are coarser than steps nearly everywhere.
         same_as_in_doubles::<18, Half>(0.0, 0.0, 12, 6);
         same_as_in_doubles::<6, Half>(-2.9, 2.9, 11, 6);
+    }
+
+    /// Everything that the margin lets a triangle reach along a direction, and no more than a step beyond.
+    #[test]
+    fn planes_hold_what_is_within_the_margin() {
+        let mut rng = Rng::new(33);
+        for _ in 0..500 {
+            let mut point = || [0, 1, 2].map(|_| rng.range(-1.0, 1.0));
+            let (b, triangle) = (Frame { centre: point(), exponent: 12 }, [0, 1, 2].map(|_| point()));
+            let margin = rng.range(0.0, 0.5);
+            let planes = planes_of::<Triangles, 18, Fixed>(&b, [triangle].into_iter(), margin);
+            for (j, plane) in planes.into_iter().enumerate() {
+                let n = Directions::<18>::TABLE.vectors[j].map(f64::from);
+                let length = crate::vector::length(&n);
+                let moved =
+                    |by: f64| triangle.map(|p: Point| core::array::from_fn(|i| p[i] + by / length * n[i]));
+                let at = |by| planes_of::<Triangles, 18, Fixed>(&b, [moved(by)].into_iter(), 0.0)[j].code();
+                assert!(at(margin * (1.0 - 1e-9)) <= plane.code(), "{j}: {margin} {triangle:?}");
+                assert!(plane.code() <= at(margin * (1.0 + 1e-9)) + 1, "{j}: {margin} {triangle:?}");
+            }
+        }
     }
 
     #[test]
