@@ -36,7 +36,6 @@ macro_rules! for_each_node {
 }
 
 mod allocations;
-mod any;
 mod assignments;
 mod balls;
 mod caps;
@@ -46,7 +45,6 @@ mod digests;
 mod distance;
 mod edge;
 mod far;
-mod forms;
 mod hierarchy;
 mod hints;
 mod many;
@@ -54,6 +52,7 @@ mod mesh_poses;
 mod motion;
 mod normal_slabs;
 mod order;
+mod owned_and_any;
 mod penetration;
 mod primitive_slabs;
 mod primitives;

@@ -8,7 +8,7 @@ use crate::support::turns::pose;
 use crate::{HalfNode, Pairs, pairs_that_meet, splitters};
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
-use simdop::hierarchy::{Bvh, BvhRef, FormatError};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError, NodeType};
 use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Storage};
 use simdop::node::{Node4, Node16};
@@ -573,7 +573,7 @@ fn all_splitters_and_leaf_sizes() {
 }
 
 #[test]
-fn bytes_are_read_back() {
+fn bytes_are_read_back_whatever_their_node_type() {
     let mut rng = Rng::new(26);
     let spheres = lattice(&mut rng, 90, 1.0, 0.0);
     let tree = build::<Node16<18>>(&spheres);
@@ -587,6 +587,22 @@ fn bytes_are_read_back() {
     assert!((0..spheres.len() as u32).all(ours));
     let thirds: Vec<Sphere> = spheres.iter().map(|s| Sphere { radius: s.radius / 3.0, ..*s }).collect();
     assert_eq!(build::<Node16<18>>(&thirds).view().header().vertex_size, 32);
+
+    let any = AnyBvh::<Spheres>::from_bytes(tree.as_bytes()).unwrap();
+    assert_eq!(any.as_bytes(), tree.as_bytes());
+    let again = |k, arity| {
+        let node = NodeType { k, arity, ..NodeType::default() };
+        Builder::new().build_any(&SphereSet { spheres: &spheres }, node, &mut |_| ControlFlow::Continue(()))
+    };
+    let built = again(18, 16).unwrap();
+    assert_eq!(built.as_bytes(), tree.as_bytes());
+    let query = Query::new(Isa::detect());
+    let answer = query.collide_any(&any.view(), &built.view(), &Pose::IDENTITY).unwrap();
+    assert_eq!(answer, query.collide(&tree, &tree, &Pose::IDENTITY));
+    assert_eq!(
+        again(17, 16).unwrap_err(),
+        BuildError::NodeType { node: NodeType { k: 17, ..NodeType::default() } }
+    );
 
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
     assert_eq!(error, FormatError::OtherPrimitive { kind: 2 });

@@ -4,12 +4,14 @@ use crate::build;
 use crate::support::data::{MeshData, by_suite, directory};
 use crate::support::rng::Rng;
 use crate::support::shapes;
+use core::mem::offset_of;
 use core::ops::ControlFlow;
-use simdop::hierarchy::{Bvh, BvhRef, FormatError};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Isa;
 use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::Triangles;
 use simdop::query::{Completion, Lanes, Pair, Query};
 
 /// Trees of one mesh in both storages.
@@ -155,6 +157,9 @@ fn bytes_of_another_storage_are_refused() {
     let wrong = |storage| Some(FormatError::OtherStorage { storage });
     assert_eq!(BvhRef::<Node16<18, Half>>::from_bytes(fixed.as_bytes()).err(), wrong(Fixed::CODE));
     assert_eq!(BvhRef::<Node16<18>>::from_bytes(half.as_bytes()).err(), wrong(Half::CODE));
+    let mut unknown = half.as_bytes().to_vec();
+    unknown[offset_of!(Header, storage)] = 7;
+    assert_eq!(AnyBvh::<Triangles>::from_bytes(&unknown).err(), wrong(7));
     for storage in [Fixed::CODE, Half::CODE, 7] {
         assert!(!FormatError::OtherStorage { storage }.to_string().is_empty());
     }

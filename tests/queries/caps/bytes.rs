@@ -3,13 +3,14 @@
 use super::meshes::{Tree, at, capped, open_cube, tunnel};
 use crate::support::data::MeshData;
 use crate::support::rng::Rng;
-use crate::support::shapes::{append, cuboid, scaled};
+use crate::support::shapes::{append, cuboid, scaled, separate};
 use crate::{aligned, mesh_of};
 use core::mem::offset_of;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, SphereSet};
-use simdop::hierarchy::{Bvh, BvhRef, CapStats, FormatError, Header};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, FormatError, Header, NodeType};
 use simdop::isa::Isa;
+use simdop::low_level::key::StorageKind;
 use simdop::node::Node16;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::Query;
@@ -140,7 +141,32 @@ fn faults_of_caps_have_names() {
 }
 
 #[test]
-fn spheres_have_neither_inside_nor_caps() {
+fn trees_of_any_node_type_have_caps() {
+    let mesh = open_cube();
+    for (k, arity, storage) in [
+        (18, 16, StorageKind::Half),
+        #[cfg(feature = "all-nodes")]
+        (6, 16, StorageKind::Fixed),
+        #[cfg(feature = "all-nodes")]
+        (18, 4, StorageKind::Fixed),
+        #[cfg(feature = "all-nodes")]
+        (14, 16, StorageKind::Half),
+    ] {
+        let node = NodeType { k, arity, storage };
+        let builder = Builder::new().solid_with_caps(3.0);
+        let tree = builder.build_any(&mesh_of(&mesh), node, &mut |_| ControlFlow::Continue(())).unwrap();
+        let read: AnyBvh = AnyBvh::from_bytes(tree.as_bytes()).unwrap();
+        assert_eq!((read.view().cap_stats(), read.view().verify()), (tree.view().cap_stats(), Ok(())));
+        assert_eq!(read.view().cap_stats().triangles, 2);
+        let dot = separate([[[0.0; 3]; 3]]);
+        let dot = Builder::new().build_any(&mesh_of(&dot), node, &mut |_| ControlFlow::Continue(())).unwrap();
+        let query = Query::new(Isa::detect());
+        for (x, is_in) in [(0.5, true), (1.0, true), (1.5, false)] {
+            let found = query.collide_any(&dot.view(), &read.view(), &at([x, 0.1, 0.2])).unwrap();
+            assert_eq!(found.hit().is_some(), is_in);
+        }
+    }
+    // Spheres have neither inside nor caps.
     let set = SphereSet { spheres: &[Sphere { centre: [0.0; 3], radius: 1.0 }] };
     let build = |builder: Builder| -> Bvh<Node16<18>, Spheres> {
         builder.build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap()

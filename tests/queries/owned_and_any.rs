@@ -1,25 +1,56 @@
-//! Trees whose node type is known only at run time.
-//!
-//! With the feature `all-nodes`, which the command's tests enable, each query here is compiled for eight node types,
-//! which would take a sixth of this program's compile time. Then only `.ci/sweep nodes` has these tests, and on each
-//! commit CI runs them in the emulator, without that feature. The command's tests query all eight.
-#![cfg(any(not(feature = "all-nodes"), simdop_all_nodes))]
+//! Trees in every form that a caller can hold: owned in a struct, of any node type, in flash; and vertices that
+//! no triangle uses.
 
-use crate::forms::poses;
 use crate::mesh_of;
 use crate::support::data::MeshData;
 use crate::support::shapes;
-use core::mem::offset_of;
 use core::ops::ControlFlow;
-use simdop::construct::{BuildError, Builder, SphereSet};
-use simdop::hierarchy::{AnyBvh, AnyBvhRef, Bvh, BvhRef, FormatError, Header, NodeType};
+use simdop::construct::{BuildError, Builder};
+use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, Bvh, BvhRef, FormatError, NodeType, StaticBvh};
 use simdop::isa::Isa;
 use simdop::low_level::key::{Half, Storage, StorageKind};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::primitive::{Sphere, Spheres, Triangles};
+use simdop::primitive::Triangles;
 use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
+
+/// From separate to deep inside each other.
+fn poses() -> Vec<Pose> {
+    let pose = |i: i32| {
+        let x = f64::from(i) * 0.35;
+        Pose::from_rows([[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.1], [0.0, 0.0, 1.0, 0.05]]).unwrap()
+    };
+    (0..12).map(pose).collect()
+}
+
+/// What a planner holds: the tree and its query, without a lifetime.
+struct Link {
+    tree: Bvh<Node16<18>>,
+    query: Query,
+}
+
+impl Link {
+    fn is_free_of(&self, other: &impl AsBvh<Node = Node16<18>, Primitive = Triangles>, pose: &Pose) -> bool {
+        self.query.collide(&self.tree, other, pose).is_free()
+    }
+}
+
+#[test]
+fn queries_take_owned_and_borrowed_trees_alike() {
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(16, 12))).unwrap();
+    let link = Link { tree: tree.clone(), query: Query::new(Isa::detect()) };
+    let mut verdicts = Vec::new();
+    for pose in &poses() {
+        let want = link.query.collide(&tree.view(), &tree.view(), pose);
+        assert_eq!(link.query.collide(&tree, &tree, pose), want);
+        assert_eq!(link.query.collide(&tree, &tree.view(), pose), want);
+        assert_eq!(link.is_free_of(&tree, pose), want.is_free());
+        assert_eq!(link.is_free_of(&tree.view(), pose), want.is_free());
+        verdicts.push(want.is_free());
+    }
+    assert!(verdicts.contains(&true) && verdicts.contains(&false));
+}
 
 /// Returns the tree in both types.
 fn any_is_built_alike<N: simdop::query::Lanes>(mesh: &MeshData) -> (Bvh<N>, AnyBvh)
@@ -81,7 +112,7 @@ fn trees_of_any_node_type_answer_as_their_own_type_does() {
     let mesh = shapes::torus(12, 8);
     any_agrees::<Node16<18>>(&mesh);
     any_agrees::<Node16<18, Half>>(&mesh);
-    #[cfg(feature = "all-nodes")]
+    #[cfg(all(simdop_all_nodes, feature = "all-nodes"))]
     {
         any_agrees::<Node16<6>>(&mesh);
         any_agrees::<Node16<14>>(&mesh);
@@ -168,12 +199,6 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
         AnyBvh::<Triangles>::from_bytes(&bytes).err(),
         Some(FormatError::OtherNode { k: 17, arity: 16 })
     );
-    let mut unknown = a.as_bytes().to_vec();
-    unknown[offset_of!(Header, storage)] = 7;
-    assert_eq!(
-        AnyBvh::<Triangles>::from_bytes(&unknown).err(),
-        Some(FormatError::OtherStorage { storage: 7 })
-    );
     bytes[12] = 14;
     assert!(AnyBvh::<Triangles>::from_bytes(&bytes).is_err(), "nodes of another size");
     assert_eq!(AnyBvh::<Triangles>::from_bytes(&bytes[..7]).err(), Some(FormatError::NotATree));
@@ -183,62 +208,65 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
     );
 }
 
-#[test]
-fn trees_of_any_node_type_have_caps() {
-    let mut mesh = shapes::cuboid([-1.0; 3], [1.0; 3], false);
-    // Without the side at x = 1.
-    mesh.triangles.truncate(10);
-    for (k, arity, storage) in [
-        (18, 16, StorageKind::Half),
-        #[cfg(feature = "all-nodes")]
-        (6, 16, StorageKind::Fixed),
-        #[cfg(feature = "all-nodes")]
-        (18, 4, StorageKind::Fixed),
-        #[cfg(feature = "all-nodes")]
-        (14, 16, StorageKind::Half),
-    ] {
-        let node = NodeType { k, arity, storage };
-        let builder = Builder::new().solid_with_caps(3.0);
-        let tree = builder.build_any(&mesh_of(&mesh), node, &mut |_| ControlFlow::Continue(())).unwrap();
-        let read: AnyBvh = AnyBvh::from_bytes(tree.as_bytes()).unwrap();
-        assert_eq!((read.view().cap_stats(), read.view().verify()), (tree.view().cap_stats(), Ok(())));
-        assert_eq!(read.view().cap_stats().triangles, 2);
-        let dot = shapes::separate([[[0.0; 3]; 3]]);
-        let dot = Builder::new().build_any(&mesh_of(&dot), node, &mut |_| ControlFlow::Continue(())).unwrap();
-        let query = Query::new(Isa::detect());
-        for (x, is_in) in [(0.5, true), (1.0, true), (1.5, false)] {
-            let pose =
-                Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.1], [0.0, 0.0, 1.0, 0.2]]).unwrap();
-            let found = query.collide_any(&dot.view(), &read.view(), &pose).unwrap();
-            assert_eq!(found.hit().is_some(), is_in);
-        }
-    }
+fn leaked(bytes: &[u8]) -> &'static [u8] {
+    // At a multiple of 64 within a longer slice.
+    let run: &'static mut [u8] = vec![0; bytes.len() + 64].leak();
+    let start = run.as_ptr().align_offset(64);
+    run[start..start + bytes.len()].copy_from_slice(bytes);
+    &run[start..start + bytes.len()]
 }
 
 #[test]
-fn spheres_have_trees_of_any_node_type() {
-    let spheres: Vec<Sphere> = (0..90)
-        .map(|i| Sphere {
-            centre: [0, 3, 5].map(|shift| f64::from((i >> shift) % 8)),
-            radius: 0.25 * f64::from(i % 4),
-        })
-        .collect();
-    let set = SphereSet { spheres: &spheres };
-    let tree: Bvh<Node16<18>, Spheres> =
-        Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
-    let any = AnyBvh::<Spheres>::from_bytes(tree.as_bytes()).unwrap();
-    assert_eq!(any.as_bytes(), tree.as_bytes());
-    let again = |k, arity| {
-        let node = NodeType { k, arity, ..NodeType::default() };
-        Builder::new().build_any(&set, node, &mut |_| ControlFlow::Continue(()))
-    };
-    let built = again(18, 16).unwrap();
-    assert_eq!(built.as_bytes(), tree.as_bytes());
-    let query = Query::new(Isa::detect());
-    let answer = query.collide_any(&any.view(), &built.view(), &Pose::IDENTITY).unwrap();
-    assert_eq!(answer, query.collide(&tree, &tree, &Pose::IDENTITY));
-    assert_eq!(
-        again(17, 16).unwrap_err(),
-        BuildError::NodeType { node: NodeType { k: 17, ..NodeType::default() } }
-    );
+fn a_tree_in_flash_is_validated_by_its_first_view_and_every_failing_one() {
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(12, 8))).unwrap();
+    let baked = StaticBvh::<Node16<18>>::new(leaked(tree.as_bytes()));
+    let first = baked.view().unwrap();
+    let again = baked.view().unwrap();
+    assert_eq!(first.nodes().as_ptr(), again.nodes().as_ptr(), "in place");
+    assert_eq!((first.stats(), again.stats()), (tree.view().stats(), tree.view().stats()));
+
+    // The root's first link, to a node that does not exist: the header is valid.
+    let mut bytes = tree.as_bytes().to_vec();
+    let link = 128 + 32 * 18;
+    bytes[link..link + 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
+    let damaged = StaticBvh::<Node16<18>>::new(leaked(&bytes));
+    let error = damaged.view().err();
+    assert!(error.is_some(), "a link out of range was not seen");
+    assert_eq!(damaged.view().err(), error, "and is not remembered as sound");
+    let off = leaked(&[&[0_u8; 8][..], tree.as_bytes()].concat());
+    assert_eq!(StaticBvh::<Node16<18>>::new(&off[8..]).view().err(), Some(FormatError::Misaligned));
+}
+
+#[test]
+#[should_panic(expected = "another k or arity")]
+fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(6, 4))).unwrap();
+    let _ = StaticBvh::<Node16<14>>::new(leaked(tree.as_bytes()));
+}
+
+/// A vertex that no triangle uses, a million body sizes away, must not cost the planes precision. Otherwise
+/// every query would test all pairs.
+#[test]
+fn stray_vertices_change_nothing() {
+    let mesh = shapes::torus(24, 16);
+    let clean = Builder::new().build(&mesh_of(&mesh)).unwrap();
+    for stray in [[1e6, 0.0, 0.0], [-1e6, 1e6, 1e6], [1e80, 0.0, -1e80]] {
+        for at_front in [false, true] {
+            let mut strayed = mesh.clone();
+            if at_front {
+                strayed.vertices.insert(0, stray);
+                strayed.triangles.iter_mut().flatten().for_each(|vertex| *vertex += 1);
+            } else {
+                strayed.vertices.push(stray);
+            }
+            let tree = Builder::new().build(&mesh_of(&strayed)).unwrap();
+            assert!(tree.as_bytes() == clean.as_bytes(), "{stray:?}");
+        }
+    }
+    // An invalid unused vertex is still an error, because it may have been meant to be used.
+    let mut broken = mesh;
+    broken.vertices.push([f64::NAN, 0.0, 0.0]);
+    let index = broken.vertices.len() - 1;
+    let error = Builder::new().build(&mesh_of(&broken)).err();
+    assert_eq!(error, Some(BuildError::Vertex { index }));
 }
