@@ -121,7 +121,14 @@ fn holes_that_are_too_wide_are_named() {
         }
         assert!(Builder::new().solid_with_caps(root).build(&mesh_of(&mesh)).is_ok());
     }
-    // The widest of several, in either order.
+    // The widest of several, of one surface and of two in either order.
+    let mut two = ball(8, false);
+    let wide = two.triangles[9][0];
+    two.triangles.retain(|t| !t.contains(&wide));
+    two.triangles.pop();
+    let error = mesh_of(&two).caps(0.4).unwrap_err();
+    let BuildError::Hole { width, .. } = error else { panic!("{error}") };
+    assert!(width > 0.5, "{width}");
     let small = scaled(&open, 0.25, [5.0, 0.0, 0.0]);
     for [first, last] in [[&open, &small], [&small, &open]] {
         let mut two = first.clone();
