@@ -1,6 +1,6 @@
 //! The cost of queries: instructions, and bytes of stack in total. Neither varies between runs.
 //!
-//!     .ci/run microcontroller
+//!     .ci/run bare_metal
 //!
 //! With `qemu -icount shift=0` each instruction takes a nanosecond of the machine's own time, which its timers count. A
 //! count that differs by more than [`WITHIN`] from the expected one is a failure: update the expected count if the
