@@ -27,7 +27,7 @@
 
 use super::double_double::DoubleDouble;
 use super::features::{
-    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, greatest, least, rejection,
+    Closest, Corners, FacePlane, OnEdges, Real, Vector, closest_on_edges, greatest, least, rejection,
 };
 use super::interval::Wedge;
 use super::overlap::{in_range, overlap};
@@ -106,13 +106,13 @@ pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool 
 #[inline(never)]
 fn refined(a: &Triangle, b: &Triangle, rough: &Separation, tolerance: f64) -> Separation {
     let local = Local::<DoubleDouble>::new(a, b);
-    let faces = local.faces();
     if rough.lower <= 0.0 && overlap(a, b, &mut 0) {
-        let (p, q) = match faces[0].piercing(&local.b).or_else(|| faces[1].piercing(&local.a)) {
+        let pierced = |face, corners| FacePlane::new(face, corners).piercing(corners);
+        let (p, q) = match pierced(&local.a, &local.b).or_else(|| pierced(&local.b, &local.a)) {
             Some(point) => (local.placed(&point), local.placed(&point)),
             // They touch, or lie in one plane: the closest points coincide up to rounding.
             None => {
-                let closest = local.separation(&faces, None, 0.0);
+                let closest = fine_separation(&local, None, 0.0);
                 (closest.a, closest.b)
             }
         };
@@ -121,8 +121,14 @@ fn refined(a: &Triangle, b: &Triangle, rough: &Separation, tolerance: f64) -> Se
     // The closest edges in `f64` are most likely the closest.
     let rough_local = Local::<f64>::new(a, b);
     let likely = closest_on_edges(&rough_local.a, &rough_local.b, None).pair;
-    let fine = local.separation(&faces, Some(likely), tolerance);
+    let fine = fine_separation(&local, Some(likely), tolerance);
     Separation { lower: fine.lower.max(rough.lower), ..fine }
+}
+
+/// [`Local::separation`] in double-double, compiled once.
+#[inline(never)]
+fn fine_separation(local: &Local<DoubleDouble>, likely: Option<[usize; 2]>, tolerance: f64) -> Separation {
+    local.separation(&local.faces(), likely, tolerance)
 }
 
 impl Separation {
@@ -203,12 +209,12 @@ impl<R: Real> Local<R> {
             best = self.bounded(best, &Closest { p, q, axis: faces[1].normal });
         }
         if !best.is_tight(tolerance) && likely.is_some() {
-            best = self.bounded(best, &closest_on_edges(&self.a, &self.b, likely).closest);
+            best = self.bounded(best, &self.closest_on_edges(likely).closest);
         }
         if best.is_tight(tolerance) {
             return best;
         }
-        let found = closest_on_edges(&self.a, &self.b, None);
+        let found = self.closest_on_edges(None);
         best = self.bounded(best, &found.closest);
         // Almost parallel edges have no accurate common normal, and a corner may be classified as the inside of an
         // edge.
@@ -222,9 +228,19 @@ impl<R: Real> Local<R> {
         best
     }
 
+    #[inline(always)]
+    fn closest_on_edges(&self, only: Option<[usize; 2]>) -> OnEdges<R> {
+        R::call(|local: &Self| closest_on_edges(&local.a, &local.b, only), self)
+    }
+
     /// `best`, improved by the bounds from two points and an axis.
     #[inline(always)]
     fn bounded(&self, best: Separation, found: &Closest<R>) -> Separation {
+        R::call(|found: &Closest<R>| self.improved(best, found), found)
+    }
+
+    #[inline(always)]
+    fn improved(&self, best: Separation, found: &Closest<R>) -> Separation {
         let unscale = 1.0 / self.scale;
         let length = R::length(&difference(&found.p, &found.q)).to_f64();
         let upper = (length + self.slack()) * (1.0 + 4.0 * f64::EPSILON) * unscale;

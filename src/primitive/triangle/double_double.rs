@@ -64,7 +64,7 @@ impl Sub for DoubleDouble {
 impl Mul for DoubleDouble {
     type Output = Self;
 
-    #[inline]
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let (product, error) = two_product(self.high, other.high);
         renormalised(product, error + (self.high * other.low + self.low * other.high))
@@ -75,7 +75,7 @@ impl Div for DoubleDouble {
     type Output = Self;
 
     /// Long division in three digits of 53 bits.
-    #[inline]
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let digit = |rest: Self| Self { high: rest.high / other.high, low: 0.0 };
         let first = digit(self);
@@ -118,6 +118,11 @@ impl Real for DoubleDouble {
     #[inline]
     fn placed(self, origin: f64, unscale: f64) -> f64 {
         (Self { high: self.high * unscale, low: self.low * unscale } + Self { high: origin, low: 0.0 }).high
+    }
+
+    #[inline(never)]
+    fn call<X, Y>(f: impl Fn(X) -> Y, x: X) -> Y {
+        f(x)
     }
 }
 

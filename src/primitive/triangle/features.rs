@@ -24,6 +24,9 @@ pub(super) trait Real:
     fn to_f64(self) -> f64;
     /// `origin + self * unscale`, rounded once where the type can.
     fn placed(self, origin: f64, unscale: f64) -> f64;
+    /// Calls a function that is to be inlined where `f64` suffices. Wider numbers are rarer, and each of their
+    /// operations takes many instructions.
+    fn call<X, Y>(f: impl Fn(X) -> Y, x: X) -> Y;
 }
 
 impl Real for f64 {
@@ -49,6 +52,11 @@ impl Real for f64 {
     #[inline(always)]
     fn placed(self, origin: f64, unscale: f64) -> f64 {
         origin + self * unscale
+    }
+
+    #[inline(always)]
+    fn call<X, Y>(f: impl Fn(X) -> Y, x: X) -> Y {
+        f(x)
     }
 }
 

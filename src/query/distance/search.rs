@@ -10,6 +10,7 @@ use super::frontier::{Frontier, Opened, VolumeA, VolumeB};
 use super::leaf::{LeafA, Threshold};
 use super::steps;
 use crate::hierarchy::BvhRef;
+use crate::isa::Scalar;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
@@ -88,8 +89,7 @@ pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
         || {
             let mut kept = no_turned::<N>();
             let mut search = Search::new(kernel, a, b, pose, query, goal, &mut kept);
-            search.try_first(query.hint.pair(a.len(), b.len()));
-            let completion = search.run();
+            let completion = search.run(query.hint.pair(a.len(), b.len()));
             let Search { best, hit, stats, .. } = search;
             Outcome { completion, best, hit, stats }
         },
@@ -141,16 +141,14 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
         }
     }
 
-    /// Tests the hint's pair. A distance search without a cutoff needs some first pair.
+    /// The pair of primitives to test before all others: the hint's. A distance search without a cutoff needs one.
     #[inline(always)]
-    fn try_first(&mut self, hint: Option<Found>) {
+    fn first(&self, hint: Option<Found>) -> Option<Found> {
         let first = match self.goal {
             Goal::Distance { cutoff: f64::INFINITY, .. } => Some(Found { a: 0, b: 0 }),
             _ => None,
         };
-        let Some(found) = hint.or(first) else { return };
-        let moved = P::moved(&self.a.primitive(found.a), self.pose);
-        self.test(found, &moved);
+        hint.or(first)
     }
 
     /// Whether the search can end.
@@ -171,7 +169,8 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
             Goal::Distance { tolerance, cutoff } => {
                 // The pair may be beyond the threshold. A pair beyond the cutoff is no better than the dropped pairs,
                 // and must not raise the threshold.
-                let pair = P::nearer(moved, &still, self.threshold.distance, tolerance, exact);
+                let limit = self.threshold.distance;
+                let pair = P::nearer_on(self.kernel, moved, &still, limit, tolerance, exact);
                 if let Some(pair) = pair.filter(|pair| pair.lower < cutoff) {
                     self.note(found, &pair, tolerance, cutoff);
                 }
@@ -200,14 +199,20 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
     /// Searches until nothing nearer can remain, or the budget is spent. Then [`Best::lower`] bounds the bodies'
     /// distance.
     #[inline(always)]
-    fn run(&mut self) -> Completion {
+    fn run(&mut self, hint: Option<Found>) -> Completion {
         let mut stack = Frontier::new();
         // The root of A is opened first: no node holds its planes.
         let root_a =
             VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0, width: f32::INFINITY };
         let width = self.whole_b.width(0, self.growths[1]);
         let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0, width };
-        let mut next = (!self.is_over()).then_some((root_a, root_b, self.bounds.least()));
+        let roots = (root_a, root_b, self.bounds.least());
+        // As leaves, so that the test of two primitives is compiled once.
+        let first = self.first(hint).map(|Found { a, b }| {
+            let a = VolumeA { child: Child::leaf(a, 1), ..root_a };
+            (a, VolumeB { child: Child::leaf(b, 1), ..root_b }, roots.2)
+        });
+        let (mut next, mut last) = (first.or(Some(roots)), first.and(Some(roots)));
         while let Some((a, b, bound)) = next {
             let is_leaf = |child: Child| matches!(child.link(), Link::Leaf { .. });
             if is_leaf(a.child) && is_leaf(b.child) {
@@ -229,7 +234,9 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
                 }
             }
             next = loop {
-                let Some(step) = stack.top() else { break None };
+                let Some(step) = stack.top() else {
+                    break last.take().filter(|_| !self.is_over());
+                };
                 let entry = least(&step.entries);
                 if entry == Entry::NONE || entry.bound() > self.threshold.bound || self.is_over() {
                     stack.pop();
@@ -399,6 +406,6 @@ fn distance_of_some<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
 ) -> f64 {
     let moved = P::moved(&trees.0.primitive(first_primitive(trees.0, a.link())), pose);
     let still = trees.1.primitive(first_primitive(trees.1, b.link()));
-    let pair = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0);
+    let pair = P::nearer_on(Scalar::new(), &moved, &still, f64::INFINITY, 1.0, &mut 0);
     pair.map_or(f64::INFINITY, |pair| pair.upper)
 }

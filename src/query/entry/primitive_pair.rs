@@ -44,6 +44,22 @@ pub trait PrimitivePair<Other: Primitive>: Primitive {
         exact: &mut u64,
     ) -> Option<Separation>;
 
+    /// [`PrimitivePair::nearer`], compiled once for each instruction set, not for each caller.
+    #[inline(never)]
+    fn nearer_on<E: Kernel>(
+        kernel: E,
+        item: &Self::Item,
+        other: &Other::Item,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        kernel.run(
+            #[inline(always)]
+            || Self::nearer(item, other, limit, tolerance, exact),
+        )
+    }
+
     /// Bounds of the length of the shortest translation of the first after which the two do not meet, certain up to the
     /// rounding of positions; zeros for two that are apart. For two triangles, they are 0 and infinite.
     fn depth(_item: &Self::Item, _other: &Other::Item) -> Depth {

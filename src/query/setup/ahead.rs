@@ -1,6 +1,7 @@
 //! Culls pairs of primitives by one axis, along which they are certainly farther apart than the query's threshold.
 
 use crate::exact::power_of_two;
+use crate::isa::Scalar;
 use crate::primitive::{Primitive, radius_of};
 use crate::query::entry::PrimitivePair;
 use crate::range::Point;
@@ -104,7 +105,7 @@ fn look_between<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>(
     (margin, reach, ahead): (f64, f64, &mut L),
     exact: &mut u64,
 ) {
-    if let Some(pair) = P::nearer(a, b, f64::INFINITY, 1.0, exact) {
+    if let Some(pair) = P::nearer_on(Scalar::new(), a, b, f64::INFINITY, 1.0, exact) {
         ahead.look_along([pair.a, pair.b], margin, reach);
     }
 }

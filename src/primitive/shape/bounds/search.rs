@@ -109,7 +109,7 @@ impl<'p> DistanceSearch<'p> {
         Self { pair, radii, radius, limit, tolerance, lower, upper, along: zero, between: zero, of_a: zero }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn run(mut self, a: &Shape, b: &Shape) -> Certified {
         let guess = Places::guess(self.pair);
         if !self.newton(guess, Some([a, b])) && !self.touches(a, b) {
@@ -136,7 +136,7 @@ impl<'p> DistanceSearch<'p> {
     /// Looks for the closest points.
     #[inline(always)]
     pub(super) fn approach(&mut self) {
-        if !self.newton(Places::guess(self.pair), None) {
+        if !self.newton_from(Places::guess(self.pair)) {
             self.gjk();
         }
     }
@@ -208,6 +208,12 @@ impl<'p> DistanceSearch<'p> {
         }
         self.lower_along(&newton.between);
         self.is_done()
+    }
+
+    /// [`DistanceSearch::newton`] without the shapes, compiled once for its rarer callers.
+    #[inline(never)]
+    fn newton_from(&mut self, places: Places) -> bool {
+        self.newton(places, None)
     }
 
     /// Bounds the distance by the points and along the normal. If that does not raise the lower bound, but the
@@ -313,12 +319,12 @@ impl<'p> DistanceSearch<'p> {
             direction = nearest.direction;
             if step % 4 == 3 {
                 let places = Places::near(self.pair, &nearest.of_a, &nearest.point);
-                if self.newton(places, None) {
+                if self.newton_from(places) {
                     return;
                 }
             }
         }
-        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between), None) {
+        if !self.is_done() && !self.newton_from(Places::near(self.pair, &self.of_a, &self.between)) {
             self.edges();
         }
     }
