@@ -667,3 +667,35 @@ fn an_unknown_is_neither_free_nor_a_hit() {
     assert!(free > 5 && hit > 5 && free_unknown > 5 && hit_unknown > 5, "{said:?}");
     assert_eq!((false_hit, false_free), (0, 0));
 }
+
+/// A triangle above a fine grid, parallel to it and to a slab: a leaf of one body and nodes of the other are exactly as
+/// far apart as the bodies, along the slab. Few triangles of the grid are below it, so that a pair that is culled wrongly
+/// is missed.
+#[test]
+fn a_leaf_above_a_fine_grid_is_within_the_margin() {
+    const SIDE: u32 = 64;
+    let query = Query::new(Isa::detect());
+    let grid = build_with_leaves::<Node16<18>>(&shapes::flat_grid(SIDE), 1);
+    let mut rng = Rng::new(5);
+    for case in 0..200 {
+        let r = rng.range(0.1, 1.0);
+        // In the grid's plane, which is x = z.
+        let vertices = vec![[-r, -r, -r], [r, -r, r], [0.0, r, 0.0]];
+        let leaf = build_with_leaves::<Node16<18>>(&MeshData { vertices, triangles: vec![[0, 1, 2]] }, 1);
+        let [x, y] = [(); 2].map(|()| rng.range(2.0, f64::from(SIDE) - 3.0));
+        let up = 0.125 * r;
+        let (distance, shift) = (up * core::f64::consts::SQRT_2, [x - up, y, x + up]);
+        let by = |s: f64| {
+            let row =
+                |k: usize| core::array::from_fn(|i| if i == 3 { s * shift[k] } else { f64::from(i == k) });
+            Pose::from_rows([row(0), row(1), row(2)]).unwrap()
+        };
+        for (margin, is_near) in [(distance * (1.0 + 1e-9), true), (distance * (1.0 - 1e-9), false)] {
+            let over = query.within(&leaf.view(), &grid.view(), &by(1.0), margin).unwrap();
+            let under = query.within(&grid.view(), &leaf.view(), &by(-1.0), margin).unwrap();
+            for answer in [over, under] {
+                assert_eq!(answer.hit().is_some(), is_near, "case {case}: {r} {x} {y} {margin}: {answer:?}");
+            }
+        }
+    }
+}
