@@ -25,6 +25,8 @@ pub(super) fn projected<const N: usize>(points: &[Point; N], axis: usize) -> [[f
 }
 
 /// Lexicographic order. No coordinate is NaN or -0.
+// Not inlined: a sort compares in many places.
+#[inline(never)]
 pub(super) fn compare(p: &Point, q: &Point) -> Ordering {
     let axes = (0..3).map(|i| p[i].total_cmp(&q[i]));
     axes.fold(Ordering::Equal, Ordering::then)

@@ -59,10 +59,12 @@ pub(in crate::construct) fn check_edges(
 
 /// For each vertex, the first one with the same coordinates. 0 and -0 are equal.
 pub(in crate::construct) fn first_at_place(vertices: &[Point]) -> Vec<u32> {
-    let compare = |a: &Point, b: &Point| -> Ordering {
+    // Not inlined: a sort compares in many places.
+    #[inline(never)]
+    fn compare(a: &Point, b: &Point) -> Ordering {
         let axes = (0..3).map(|i| (a[i] + 0.0).total_cmp(&(b[i] + 0.0)));
         axes.fold(Ordering::Equal, Ordering::then)
-    };
+    }
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_unstable_by(|&v, &w| {
         compare(&vertices[v as usize], &vertices[w as usize]).then_with(|| v.cmp(&w))

@@ -104,15 +104,18 @@ impl PairQueue {
         self.waiting[..self.len].iter()
     }
 
-    /// Upper bound of the volume that all pending pairs share, up to rounding in `f64`: a volume shares with all others
-    /// at most what it contains.
-    pub(super) fn capped(
-        &mut self,
-        side: impl Fn(&BallPair) -> LaneAt,
-        volume: impl Fn(LaneAt) -> f32,
-    ) -> f64 {
+    // Not generic, so that it is compiled once.
+    #[inline(never)]
+    fn sorted(&mut self, side: fn(&BallPair) -> LaneAt) -> &[Waiting] {
         let waiting = &mut self.waiting[..self.len];
         waiting.sort_unstable_by_key(|waiting| side(&waiting.volumes));
+        waiting
+    }
+
+    /// Upper bound of the volume that all pending pairs share, up to rounding in `f64`: a volume shares with all others
+    /// at most what it contains.
+    pub(super) fn capped(&mut self, side: fn(&BallPair) -> LaneAt, volume: impl Fn(LaneAt) -> f32) -> f64 {
+        let waiting = self.sorted(side);
         let mut sum = 0.0;
         for group in waiting.chunk_by(|x, y| side(&x.volumes) == side(&y.volumes)) {
             let bounds = group.iter().map(|waiting| f64::from(waiting.bound)).sum();
