@@ -61,6 +61,8 @@ impl Sub for DoubleDouble {
     }
 }
 
+// Not inlined, like the quotient, since the code would be several times as large. Sums are inlined: calls would take
+// longer than they.
 impl Mul for DoubleDouble {
     type Output = Self;
 

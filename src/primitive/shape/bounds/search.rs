@@ -109,6 +109,7 @@ impl<'p> DistanceSearch<'p> {
         Self { pair, radii, radius, limit, tolerance, lower, upper, along: zero, between: zero, of_a: zero }
     }
 
+    // Not inlined, since a rescaled search calls it, too.
     #[inline(never)]
     fn run(mut self, a: &Shape, b: &Shape) -> Certified {
         let guess = Places::guess(self.pair);
