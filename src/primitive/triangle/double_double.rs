@@ -61,8 +61,8 @@ impl Sub for DoubleDouble {
     }
 }
 
-// Not inlined, like the quotient, since the code would be several times as large. Sums are inlined: calls would take
-// longer than they.
+// Products and quotients are not inlined, since the code would be several times as large. Sums are: a call takes longer
+// than a sum.
 impl Mul for DoubleDouble {
     type Output = Self;
 
