@@ -246,7 +246,7 @@ fn weighted_spheres_have_the_scalar_builders_shape() {
     let mut rng = Rng::new(5);
     for count in [300, 1000, 3000] {
         let cloud = spheres(&mut rng, count);
-        for seed in 0..by_suite(10, 4) {
+        for seed in 0..by_suite(10, 2) {
             for arity in [4, 16] {
                 for weighted in [false, true] {
                     // The seeds alternate between the devices.

@@ -2,7 +2,7 @@
 
 use super::{arm, at, model_of_text, scene};
 use crate::real::{self, insert_obstacles, model_of, robots::SETTINGS, street};
-use crate::support::data::{directory, suite_step};
+use crate::support::data::{by_suite, directory, suite_step};
 use crate::support::rng::Rng;
 use simdop::construct::{Builder, OwnedMesh};
 use simdop::planning::{PlanningError, PlanningScene, RobotModel, Workspace};
@@ -271,15 +271,20 @@ fn bounds_follow_the_scene() {
     bounded.use_bounds(CELL).unwrap();
     assert!(bounded.bound_bytes().is_some() && exact.bound_bytes().is_none());
     let (mut rng, mut workspace) = (Rng::new(23), bounded.workspace());
+    let mut changes = 0;
     let mut check = |exact: &PlanningScene, bounded: &PlanningScene| {
         let values = random(exact, &mut rng, 700);
-        let mut fresh = exact.clone();
-        fresh.use_bounds(CELL).unwrap();
-        let [new, old] = [&fresh, bounded].map(|scene| {
-            let decided = scene.free_by_bounds(&values).unwrap();
-            decided.iter().flatten().count()
-        });
-        assert!(new.abs_diff(old) <= 2 + new / 30, "{old} decided, by new bounds {new}");
+        changes += 1;
+        // New bounds take most of the time.
+        if by_suite(true, changes % 2 == 0) {
+            let mut fresh = exact.clone();
+            fresh.use_bounds(CELL).unwrap();
+            let [new, old] = [&fresh, bounded].map(|scene| {
+                let decided = scene.free_by_bounds(&values).unwrap();
+                decided.iter().flatten().count()
+            });
+            assert!(new.abs_diff(old) <= 2 + new / 30, "{old} decided, by new bounds {new}");
+        }
         // The scene takes much longer.
         let values = &values[..700 / suite_step() * exact.variables()];
         in_one_workspace(bounded, &mut workspace, values);
