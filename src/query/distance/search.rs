@@ -206,13 +206,14 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
             VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0, width: f32::INFINITY };
         let width = self.whole_b.width(0, self.growths[1]);
         let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0, width };
-        let roots = (root_a, root_b, self.bounds.least());
+        let least_bound = self.bounds.least();
+        let mut roots = Some((root_a, root_b, least_bound));
         // As leaves, so that the test of two primitives is compiled once.
         let first = self.first(hint).map(|Found { a, b }| {
             let a = VolumeA { child: Child::leaf(a, 1), ..root_a };
-            (a, VolumeB { child: Child::leaf(b, 1), ..root_b }, roots.2)
+            (a, VolumeB { child: Child::leaf(b, 1), ..root_b }, least_bound)
         });
-        let (mut next, mut last) = (first.or(Some(roots)), first.and(Some(roots)));
+        let mut next = first.or_else(|| roots.take());
         while let Some((a, b, bound)) = next {
             let is_leaf = |child: Child| matches!(child.link(), Link::Leaf { .. });
             if is_leaf(a.child) && is_leaf(b.child) {
@@ -235,7 +236,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel> Search<'t, N, P
             }
             next = loop {
                 let Some(step) = stack.top() else {
-                    break last.take().filter(|_| !self.is_over());
+                    break roots.take().filter(|_| !self.is_over());
                 };
                 let entry = least(&step.entries);
                 if entry == Entry::NONE || entry.bound() > self.threshold.bound || self.is_over() {
