@@ -668,9 +668,9 @@ fn an_unknown_is_neither_free_nor_a_hit() {
     assert_eq!((false_hit, false_free), (0, 0));
 }
 
-/// A triangle above a fine grid, parallel to it and to a slab: along the slab, a leaf of one body and nodes of the other
-/// are exactly as far apart as the bodies. Few triangles of the grid are below it, so that the query misses a pair that
-/// it culls wrongly.
+/// A triangle above a fine grid, parallel to it and to a slab: along the slab, a leaf of one body and nodes of the
+/// other are exactly as far apart as the bodies. Few triangles of the grid are below it, so that the query misses a
+/// pair that it culls wrongly.
 #[test]
 fn a_leaf_above_a_fine_grid_is_within_the_margin() {
     const SIDE: u32 = 64;
