@@ -1,11 +1,12 @@
 //! The kernels are inlined in the traversal, because a call for each row would cost as much as the row.
 //!
 //! The test reads the symbol table of its own binary. Of the modules `simdop::kernel::{avx2, avx512, neon}` no
-//! function may be left but the realignment and two filters of primitives. This program queries with every node
-//! type and searches a cloud in every way, on every instruction set, and does not use the kernels otherwise. A
+//! function may be left but the realignment and two filters of primitives. This program queries with each arity and
+//! storage and searches a cloud in every way, on every instruction set, and does not use the kernels otherwise. A
 //! function that is called has a symbol. So `overlap_1v16`, `overlap_16v1`, `overlap_4v4`, `boxes_near`,
 //! `points_near`, `pick` and their parts (loads, masks) are inlined in each of those traversals.
-//! `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary.
+//! `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary. `.ci/sweep nodes` queries with
+//! every node type.
 #![cfg(target_os = "linux")]
 
 mod support;
@@ -15,6 +16,7 @@ use simdop::cloud::{List, Neighbour, PointCloud, Queries, Radii, RangeSearch, Se
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
@@ -90,14 +92,18 @@ fn functions(elf: &[u8]) -> Vec<String> {
 
 /// Queries with each node type. Returns the number of node types.
 macro_rules! query_each {
-    ($($node:ident<$k:literal>)*) => { [$(query::<$node<$k>>()),*].len() };
+    ($($node:ident<$k:literal, $storage:ident>)*) => { [$(query::<$node<$k, $storage>>()),*].len() };
 }
 
 #[test]
 fn kernels_leave_no_function_of_their_own() {
-    let node_types = query_each! {
-        Node16<6> Node16<14> Node16<18> Node16<26> Node16<32> Node4<6> Node4<14> Node4<18> Node4<26> Node4<32>
-    };
+    let node_types = query_each! { Node16<18, Fixed> Node16<26, Half> Node4<32, Fixed> };
+    #[cfg(simdop_all_nodes)]
+    let node_types = node_types
+        + query_each! {
+            Node16<6, Fixed> Node16<14, Fixed> Node16<26, Fixed> Node16<32, Fixed>
+            Node4<6, Fixed> Node4<14, Fixed> Node4<18, Fixed> Node4<26, Fixed>
+        };
     let searches = search();
     if cfg!(debug_assertions) {
         notice("NOT CHECKED: needs an optimised build: cargo test --profile suite");

@@ -105,6 +105,7 @@ const MOST_PIECES: usize = 1 << 24;
 const TRIED: usize = 24;
 
 /// A part of a triangle.
+#[derive(Copy, Clone)]
 struct Piece {
     corners: Triangle,
     middle: Point,
@@ -166,20 +167,20 @@ struct Cover {
 
 impl Cover {
     fn new(triangles: &[Triangle], error: f64, pad: f64) -> Result<Self, CoverError> {
-        let placed = |t: Triangle| {
-            let piece = Piece::new(t, error);
-            (piece.middle.map(|x| libm::floor(x / error) as i64), piece)
-        };
-        let mut pieces: Vec<(CoverCell, Piece)> =
-            cut(triangles, LONGEST * error)?.into_iter().map(placed).collect();
-        pieces.sort_by_key(|(cube, _)| *cube);
+        let unordered: Vec<Piece> =
+            cut(triangles, LONGEST * error)?.into_iter().map(|t| Piece::new(t, error)).collect();
+        let cell = |piece: &Piece| piece.middle.map(|x| libm::floor(x / error) as i64);
+        let mut order: Vec<(CoverCell, usize)> =
+            unordered.iter().enumerate().map(|(i, piece)| (cell(piece), i)).collect();
+        order.sort_unstable();
+        let pieces = order.iter().map(|&(_, i)| unordered[i]).collect();
         let mut cubes: Vec<(CoverCell, usize)> = Vec::new();
-        for (i, (cube, _)) in pieces.iter().enumerate() {
+        for (i, (cube, _)) in order.iter().enumerate() {
             if cubes.last().is_none_or(|(last, _)| last != cube) {
                 cubes.push((*cube, i));
             }
         }
-        Ok(Self { error, pad, pieces: pieces.into_iter().map(|(_, piece)| piece).collect(), cubes })
+        Ok(Self { error, pad, pieces, cubes })
     }
 
     /// Pieces whose middles are in a point's cube or its neighbours. They include all pieces within the error of the

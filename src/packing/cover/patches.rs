@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use glam::DVec3;
 
 /// A piece of a triangle.
+#[derive(Copy, Clone)]
 pub(super) struct Patch {
     pub(super) corners: [DVec3; 3],
     pub(super) middle: DVec3,
@@ -38,6 +39,14 @@ pub(super) struct Patches {
     boxes: Vec<PatchBox>,
 }
 
+/// What the order of the patches depends on. There may be a million of them, so that sorting does not look them up.
+struct Place {
+    low: DVec3,
+    high: DVec3,
+    middle: DVec3,
+    index: usize,
+}
+
 /// Maximum number of patches in a leaf.
 const LEAF: usize = 8;
 
@@ -54,9 +63,9 @@ impl Patch {
         Self { corners, middle: (p + q + r) / 3.0, area: (q - p).cross(r - p), is_held: false }
     }
 
-    /// Whether all of it is within reach of a point.
+    /// Whether all of it is within reach of a point. `reach` is positive.
     pub(super) fn is_within(&self, reach: f64, centre: DVec3) -> bool {
-        self.corners.iter().all(|p| p.distance(centre) <= reach)
+        self.corners.iter().all(|p| p.distance_squared(centre) <= reach * reach)
     }
 
     fn rest(&self) -> Unheld {
@@ -65,52 +74,80 @@ impl Patch {
 }
 
 impl PatchBox {
+    fn around(patches: &[Patch], start: usize) -> Self {
+        let corners = || patches.iter().flat_map(|patch| patch.corners);
+        Self {
+            low: corners().fold(DVec3::INFINITY, DVec3::min),
+            high: corners().fold(DVec3::NEG_INFINITY, DVec3::max),
+            rest: patches.iter().fold(Unheld::default(), |sum, patch| sum.and(patch.rest())),
+            start,
+            end: start + patches.len(),
+            second: None,
+        }
+    }
+
+    fn of_children(boxes: &[Self], first: usize, second: usize) -> Self {
+        let (p, q) = (&boxes[first], &boxes[second]);
+        Self {
+            low: p.low.min(q.low),
+            high: p.high.max(q.high),
+            rest: p.rest.and(q.rest),
+            start: p.start,
+            end: q.end,
+            second: Some(second),
+        }
+    }
+
     /// Whether all (`Some(true)`) or nothing (`Some(false)`) of it is within reach of a point; `None` if undecided.
     fn is_within(&self, reach: f64, centre: DVec3) -> Option<bool> {
         let farthest = (centre - self.low).abs().max((centre - self.high).abs());
-        if farthest.length() <= reach {
+        if farthest.length_squared() <= reach * reach {
             return Some(true);
         }
         let nearest = centre.clamp(self.low, self.high);
-        (nearest.distance(centre) > reach).then_some(false)
+        (nearest.distance_squared(centre) > reach * reach).then_some(false)
     }
 }
 
 impl Patches {
     pub(super) fn new(pieces: &[Triangle]) -> Self {
-        let all = pieces.iter().map(Patch::new).collect();
-        let mut patches = Self { all, boxes: Vec::new() };
-        let mut order: Vec<usize> = (0..patches.all.len()).collect();
+        let unordered: Vec<Patch> = pieces.iter().map(Patch::new).collect();
+        let place = |(index, patch): (usize, &Patch)| {
+            let [p, q, r] = patch.corners;
+            Place { low: p.min(q).min(r), high: p.max(q).max(r), middle: patch.middle, index }
+        };
+        let mut order: Vec<Place> = unordered.iter().enumerate().map(place).collect();
+        let mut patches = Self { all: Vec::with_capacity(order.len()), boxes: Vec::new() };
         if !order.is_empty() {
-            patches.add(&mut order, 0);
+            patches.add(&unordered, &mut order);
         }
-        // Reorder the patches to match the tree.
-        let mut unordered: Vec<Option<Patch>> = patches.all.into_iter().map(Some).collect();
-        patches.all = order.iter().filter_map(|&i| unordered[i].take()).collect();
         patches
     }
 
-    /// Adds the subtree of some patches, whose range begins at `start`, and reorders them.
-    fn add(&mut self, order: &mut [usize], start: usize) {
-        let corners = || order.iter().flat_map(|&i| self.all[i].corners);
-        let low = corners().fold(DVec3::INFINITY, DVec3::min);
-        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let rest = order.iter().fold(Unheld::default(), |sum, &i| sum.and(self.all[i].rest()));
-        let this = self.boxes.len();
-        self.boxes.push(PatchBox { low, high, rest, start, end: start + order.len(), second: None });
+    /// Adds some patches, and the subtree of them.
+    fn add(&mut self, unordered: &[Patch], order: &mut [Place]) {
+        let (this, start) = (self.boxes.len(), self.all.len());
         if order.len() <= LEAF {
             // Sort, so that the order does not depend on the selection algorithm.
-            order.sort_unstable();
+            order.sort_unstable_by_key(|place| place.index);
+            self.all.extend(order.iter().map(|place| unordered[place.index]));
+            self.boxes.push(PatchBox::around(&self.all[start..], start));
             return;
         }
+        let low = order.iter().fold(DVec3::INFINITY, |low, place| low.min(place.low));
+        let high = order.iter().fold(DVec3::NEG_INFINITY, |high, place| high.max(place.high));
         let axis = (high - low).max_position();
-        let place = |i: &usize| self.all[*i].middle[axis];
+        let compare =
+            |i: &Place, j: &Place| i.middle[axis].total_cmp(&j.middle[axis]).then(i.index.cmp(&j.index));
         let half = order.len() / 2;
-        order.select_nth_unstable_by(half, |i, j| place(i).total_cmp(&place(j)).then(i.cmp(j)));
+        order.select_nth_unstable_by(half, compare);
         let (first, second) = order.split_at_mut(half);
-        self.add(first, start);
-        self.boxes[this].second = Some(self.boxes.len());
-        self.add(second, start + half);
+        // A place for this node, before its children.
+        self.boxes.push(PatchBox::around(&[], start));
+        self.add(unordered, first);
+        let number = self.boxes.len();
+        self.add(unordered, second);
+        self.boxes[this] = PatchBox::of_children(&self.boxes, this + 1, number);
     }
 
     /// The first uncovered patch at or after `from`.
