@@ -228,3 +228,53 @@ impl Patches {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    /// Right triangles with whole corners, parallel to the axes: sums of areas are exact in any order.
+    fn pieces(count: usize, random: &mut SplitMix64) -> Vec<Triangle> {
+        let mut below = |n: usize| random.below(n) as f64;
+        let piece = |_| {
+            let p = [below(40), below(40), below(40)];
+            let (mut q, mut r) = (p, p);
+            let axis = below(3) as usize;
+            q[axis] += 1.0 + below(4);
+            r[(axis + 1) % 3] += 1.0 + below(4);
+            [p, q, r]
+        };
+        (0..count).map(piece).collect()
+    }
+
+    #[test]
+    fn sums_are_those_of_all_patches() {
+        let mut random = SplitMix64(3);
+        let mut whole_boxes = 0;
+        for count in [1, 7, 8, 9, 100, 1000] {
+            let mut patches = Patches::new(&pieces(count, &mut random));
+            assert_eq!(patches.all.len(), count);
+            for _ in 0..200 {
+                let centre = DVec3::from_array([0, 1, 2].map(|_| random.below(45) as f64));
+                let reach = 1.0 + random.below(30) as f64;
+                let is_new = |patch: &Patch| {
+                    let is_near = |p: &DVec3| p.distance_squared(centre) <= reach * reach;
+                    !patch.is_held && patch.corners.iter().all(is_near)
+                };
+                let want: Vec<usize> = (0..count).filter(|&i| is_new(&patches.all[i])).collect();
+                let area = want.iter().map(|&i| patches.all[i].area.length()).sum();
+                assert!(patches.gain(reach, centre) == Unheld { area, count: want.len() });
+                assert_eq!(patches.near(reach, centre), want);
+                whole_boxes += usize::from(want.len() > 8 * LEAF);
+                // Few, so that most stay uncovered.
+                if want.len() < count / 20 {
+                    patches.hold(reach, centre);
+                    assert!(patches.near(reach, centre).is_empty());
+                }
+            }
+            assert_eq!(patches.next(0), patches.all.iter().position(|patch| !patch.is_held));
+        }
+        assert!(whole_boxes > 50, "{whole_boxes}");
+    }
+}
