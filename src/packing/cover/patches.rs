@@ -40,7 +40,7 @@ pub(super) struct Patches {
 }
 
 /// What the order of the patches depends on. There may be a million of them, so that sorting does not look them up.
-struct Place {
+struct PatchPlace {
     low: DVec3,
     high: DVec3,
     middle: DVec3,
@@ -114,9 +114,9 @@ impl Patches {
         let unordered: Vec<Patch> = pieces.iter().map(Patch::new).collect();
         let place = |(index, patch): (usize, &Patch)| {
             let [p, q, r] = patch.corners;
-            Place { low: p.min(q).min(r), high: p.max(q).max(r), middle: patch.middle, index }
+            PatchPlace { low: p.min(q).min(r), high: p.max(q).max(r), middle: patch.middle, index }
         };
-        let mut order: Vec<Place> = unordered.iter().enumerate().map(place).collect();
+        let mut order: Vec<PatchPlace> = unordered.iter().enumerate().map(place).collect();
         let mut patches = Self { all: Vec::with_capacity(order.len()), boxes: Vec::new() };
         if !order.is_empty() {
             patches.add(&unordered, &mut order);
@@ -125,7 +125,7 @@ impl Patches {
     }
 
     /// Adds some patches, and the subtree of them.
-    fn add(&mut self, unordered: &[Patch], order: &mut [Place]) {
+    fn add(&mut self, unordered: &[Patch], order: &mut [PatchPlace]) {
         let (this, start) = (self.boxes.len(), self.all.len());
         if order.len() <= LEAF {
             // Sort, so that the order does not depend on the selection algorithm.
@@ -137,8 +137,9 @@ impl Patches {
         let low = order.iter().fold(DVec3::INFINITY, |low, place| low.min(place.low));
         let high = order.iter().fold(DVec3::NEG_INFINITY, |high, place| high.max(place.high));
         let axis = (high - low).max_position();
-        let compare =
-            |i: &Place, j: &Place| i.middle[axis].total_cmp(&j.middle[axis]).then(i.index.cmp(&j.index));
+        let compare = |i: &PatchPlace, j: &PatchPlace| {
+            i.middle[axis].total_cmp(&j.middle[axis]).then(i.index.cmp(&j.index))
+        };
         let half = order.len() / 2;
         order.select_nth_unstable_by(half, compare);
         let (first, second) = order.split_at_mut(half);
