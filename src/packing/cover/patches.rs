@@ -146,9 +146,9 @@ impl Patches {
         // A place for this node, before its children.
         self.boxes.push(PatchBox::around(&[], start));
         self.add(unordered, first);
-        let number = self.boxes.len();
+        let second_box = self.boxes.len();
         self.add(unordered, second);
-        self.boxes[this] = PatchBox::of_children(&self.boxes, this + 1, number);
+        self.boxes[this] = PatchBox::of_children(&self.boxes, this + 1, second_box);
     }
 
     /// The first uncovered patch at or after `from`.
